@@ -1,0 +1,54 @@
+"""The master: components, units, time, wiring, algorithms, scenarios.  It knows ports, time and steps, and no robot."""
+
+from .algorithms import Algorithm, GaussSeidel, Jacobi
+from .component import Component, event, input, output, parameter, state, structural, table
+from .errors import (
+    CosimError,
+    CouplingError,
+    DeclarationError,
+    ExportError,
+    ScenarioError,
+    StepError,
+    WiringError,
+)
+from .instance import Advance, Capabilities, Instance
+from .master import run
+from .observer import Observer, Point, RunInfo, Summary
+from .record import Record
+from .system import System
+from .variable import Variable
+from .wiring import Connection, Link
+
+__all__ = [
+    "Advance",
+    "Algorithm",
+    "Capabilities",
+    "Component",
+    "Connection",
+    "CosimError",
+    "CouplingError",
+    "DeclarationError",
+    "ExportError",
+    "GaussSeidel",
+    "Instance",
+    "Jacobi",
+    "Link",
+    "Observer",
+    "Point",
+    "Record",
+    "RunInfo",
+    "ScenarioError",
+    "StepError",
+    "Summary",
+    "System",
+    "Variable",
+    "WiringError",
+    "event",
+    "input",
+    "output",
+    "parameter",
+    "run",
+    "state",
+    "structural",
+    "table",
+]

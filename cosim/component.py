@@ -1,0 +1,296 @@
+"""A component is a declaration plus equations, written once; everything else is derived from it.
+
+    class Spring(Component):
+        \"\"\"Linear spring: F = -k x.\"\"\"
+
+        k = parameter(1e3, "N/m", "stiffness")
+        x = input("m", "elongation")
+        F = output("N", "force on the body at the end")
+
+        def outputs(s):
+            return dict(F=-s.k * s.x)
+
+The equations are pure functions of one namespace ``s`` that holds every declared symbol, ``s.time`` and, where it is
+meaningful, ``s.dt``.  They are written with CasADi expressions (``casadi.if_else``, never a Python ``if`` on a symbol).
+
+| function | returns | meaning |
+| --- | --- | --- |
+| ``derivatives(s)`` | states | dx/dt, integrated with error control |
+| ``outputs(s)`` | outputs | from states, inputs, parameters and time |
+| ``sync(s)`` | some states | their new values, first thing in a step after the inputs were set |
+| ``flow(s)`` | states | in place of ``derivatives``: the exact solution a step ``s.dt`` later, inputs held |
+| ``crossings(s)`` | events | indicators; an event is a change of sign (zero counts as positive) |
+| ``jump(s)`` | some states | their values after an event; ``s.crossed.NAME`` is -1, 0 or +1, the direction |
+| ``lookups(s)`` | tables | where each declared table is read; the rows found are ``s.TABLE``, (keys, columns) |
+
+A component that declares a parameter ``period`` (in s) is sampled: its ``sync`` happens at its ticks only (multiples of
+the period on the time axis), every tick inside a long step included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from . import units
+from .errors import DeclarationError, nearest
+from .variable import Variable
+
+if TYPE_CHECKING:
+    from .equations import Equations
+    from .twin import PythonInstance
+
+EQUATIONS = ("derivatives", "outputs", "sync", "flow", "crossings", "jump", "lookups")
+_built: dict[tuple[Any, ...], Equations] = {}
+_RESERVED = {"time", "dt", "crossed", *EQUATIONS}
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What an author wrote about one quantity.
+
+    ``role`` is one of parameter, structural, input, state, output, event, table.
+    """
+
+    role: str
+    meaning: str
+    unit: str = "1"
+    start: Any = 0.0
+    shape: tuple[int | str, ...] = ()
+    nominal: float = 1.0
+    choices: tuple[str, ...] = ()
+    columns: int = 0
+    announce: bool = False
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+    def __get__(self, component: Component | None, owner: type) -> Any:
+        """Give the declaration on the class, and on a component the value of a parameter."""
+        if component is None:
+            return self
+        if self.role == "structural":
+            return component.structure[self.name]
+        if self.name not in component.values:
+            raise AttributeError(f"{owner.__name__}.{self.name} is a {self.role}: it has a value in an instance only")
+        value = component.values[self.name]
+        return value if value.shape else float(value)
+
+
+def _shape(shape: int | str | tuple[int | str, ...]) -> tuple[int | str, ...]:
+    return shape if isinstance(shape, tuple) else (shape,)
+
+
+def parameter(start: Any, unit: str, meaning: str, *, shape: int | str | tuple[int | str, ...] = ()) -> Any:
+    """Declare a constant of a run; its shape is that of *start* unless given (names of structural values allowed)."""
+    given = _shape(shape) if shape != () else tuple(np.shape(start))
+    return Declaration("parameter", meaning, unit, start, given)
+
+
+def structural(start: int | str, meaning: str, *, choices: tuple[str, ...] = ()) -> Any:
+    """Declare an integer (a size) or one of *choices*, known when the equations are built: one FMU per value."""
+    return Declaration("structural", meaning, start=start, choices=choices)
+
+
+def input(unit: str, meaning: str, *, start: Any = 0.0, shape: int | str | tuple[int | str, ...] = ()) -> Any:
+    """Declare what others drive; *start* is its value while nobody does."""
+    return Declaration("input", meaning, unit, start, _shape(shape))
+
+
+def state(
+    start: Any, unit: str, meaning: str, *, shape: int | str | tuple[int | str, ...] = (), nominal: float = 1.0
+) -> Any:
+    """Declare a state with its value at the start; *nominal* scales the integrator's absolute tolerance."""
+    given = _shape(shape) if shape != () else tuple(np.shape(start))
+    return Declaration("state", meaning, unit, start, given, nominal)
+
+
+def output(unit: str, meaning: str, *, shape: int | str | tuple[int | str, ...] = ()) -> Any:
+    """Declare what others may read."""
+    return Declaration("output", meaning, unit, None, _shape(shape))
+
+
+def event(meaning: str, *, shape: int | str | tuple[int | str, ...] = (), announce: bool = False) -> Any:
+    """Declare a zero crossing; *announce*: a step returns early there, so that a master can bring everybody to it."""
+    return Declaration("event", meaning, shape=_shape(shape), announce=announce)
+
+
+def table(columns: int, meaning: str, *, start: Any = None) -> Any:
+    """Declare rows of *columns* numbers, looked up by their first, ascending column: the last row not above the key.
+
+    A table is a parameter given as an array (rows, columns), constant in a run; the compiled code does not contain it.
+    """
+    return Declaration("table", meaning, start=start if start is not None else np.zeros((1, columns)), columns=columns)
+
+
+class Component:
+    """Base of every component: collects the declarations and holds one set of parameter values, immutable."""
+
+    declarations: ClassVar[dict[str, Declaration]] = {}
+
+    def __init_subclass__(cls) -> None:
+        own = {k: v for k, v in vars(cls).items() if isinstance(v, Declaration)}
+        cls.declarations = {**cls.declarations, **own}
+        for name, d in own.items():
+            if name in _RESERVED or not name.isidentifier():
+                raise DeclarationError(f"{cls.__name__} cannot declare {name!r}: the name is reserved by the contract")
+            if not d.meaning:
+                raise DeclarationError(f"{cls.__name__}.{name} has no meaning; write one line on what it is")
+            if len(d.shape) > 2:
+                raise DeclarationError(f"{cls.__name__}.{name} has {len(d.shape)} dimensions; declare at most 2")
+            try:
+                units.parse(d.unit)
+            except DeclarationError as error:
+                raise DeclarationError(f"{cls.__name__}.{name}: {error}") from None
+        for name in EQUATIONS:
+            if name in vars(cls):
+                setattr(cls, name, staticmethod(vars(cls)[name]))
+
+    def __init__(self, **values: Any) -> None:
+        settable = {n: d for n, d in self.declarations.items() if d.role in ("parameter", "structural", "table")}
+        for name in values:
+            if name not in settable:
+                raise DeclarationError(f"{type(self).__name__} has no parameter {name!r}; {nearest(name, settable)}")
+        self.structure: dict[str, int | str] = {
+            n: self._structural(d, values.get(n, d.start)) for n, d in settable.items() if d.role == "structural"
+        }
+        self.values: dict[str, np.ndarray] = {
+            n: self._array(d, values.get(n, d.start)) for n, d in settable.items() if d.role != "structural"
+        }
+
+    def __repr__(self) -> str:
+        changed = [f"{n}={v!r}" for n, v in self.structure.items() if v != self.declarations[n].start] + [
+            f"{n}={v.tolist()!r}" if v.size <= 4 else f"{n}=<{'x'.join(map(str, v.shape))}>"
+            for n, v in self.values.items()
+            if not np.array_equal(v, self._array(self.declarations[n], self.declarations[n].start))
+        ]
+        return f"{type(self).__name__}({', '.join(changed)})"
+
+    def _structural(self, d: Declaration, value: Any) -> int | str:
+        who = f"{type(self).__name__}.{d.name}"
+        if d.choices:
+            if value not in d.choices:
+                raise DeclarationError(f"{who} cannot be {value!r}; it is one of {', '.join(map(repr, d.choices))}")
+            return str(value)
+        if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 0:
+            raise DeclarationError(f"{who} must be a whole number, not {value!r}")
+        return int(value)
+
+    def shape_of(self, d: Declaration) -> tuple[int, ...]:
+        """Return the shape of a declared quantity with the structural values filled in."""
+        return tuple(n if isinstance(n, int) else int(self.structure[n]) for n in d.shape)
+
+    def _array(self, d: Declaration, value: Any) -> np.ndarray:
+        who = f"{type(self).__name__}.{d.name} [{d.unit}]"
+        try:
+            array = np.asarray(value, dtype=float)
+        except (TypeError, ValueError):
+            raise DeclarationError(f"{who} must be a number or an array of numbers, not {value!r}") from None
+        if d.role == "table":
+            if array.ndim != 2 or array.shape[1] != d.columns or not len(array):
+                raise DeclarationError(f"{who} needs rows of {d.columns} numbers, not an array of shape {array.shape}")
+            if np.any(np.diff(array[:, 0]) <= 0):
+                raise DeclarationError(f"{who} needs its first column ascending, since rows are looked up by it")
+        else:
+            shape = self.shape_of(d)
+            if array.shape not in (shape, ()):
+                raise DeclarationError(f"{who} has shape {list(shape)}, but was given {list(array.shape)}")
+            array = np.broadcast_to(array, shape)
+        if not np.all(np.isfinite(array)):
+            raise DeclarationError(f"{who} must be finite, not {array[~np.isfinite(array)].flat[0]}")
+        array = np.array(array)
+        array.flags.writeable = False
+        return array
+
+    def declared(self, role: str) -> dict[str, Declaration]:
+        """Return the declarations of one role, in the order they were written."""
+        return {n: d for n, d in self.declarations.items() if d.role == role}
+
+    def replace(self, **values: Any) -> Component:
+        """Return the same component with some parameters changed."""
+        return type(self)(**{**self.structure, **self.values, **values})
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The equations as CasADi functions of flat vectors, built once per class and structural values."""
+        from .equations import build
+
+        key = (type(self), *self.structure.values())
+        if key not in _built:
+            _built[key] = build(self)
+        return _built[key]
+
+    @cached_property
+    def variables(self) -> dict[str, Variable]:
+        """Every variable an instance has: parameters, inputs, outputs, and states with their derivatives as locals."""
+        found: dict[str, Variable] = {}
+        for n, d in self.declarations.items():
+            if d.role == "parameter":
+                found[n] = Variable(n, "parameter", shape=self.shape_of(d), unit=d.unit, start=self.values[n],
+                                    meaning=d.meaning, variability="fixed")  # fmt: skip
+            elif d.role == "table":
+                found[n] = Variable(n, "parameter", type="String", start=table_text(self.values[n]),
+                                    meaning=d.meaning, variability="fixed")  # fmt: skip
+            elif d.role == "input":
+                found[n] = Variable(n, "input", shape=self.shape_of(d), unit=d.unit, meaning=d.meaning,
+                                    start=self._array(d, d.start))  # fmt: skip
+            elif d.role == "output":
+                found[n] = Variable(n, "output", shape=self.shape_of(d), unit=d.unit, meaning=d.meaning,
+                                    variability="continuous", depends_on=self.equations.feedthrough[n])  # fmt: skip
+            elif d.role == "state":
+                found[n] = Variable(n, "local", shape=self.shape_of(d), unit=d.unit, meaning=d.meaning,
+                                    start=self._array(d, d.start))  # fmt: skip
+                if self.equations.ode is not None:
+                    found[f"der({n})"] = Variable(f"der({n})", "local", shape=self.shape_of(d), unit=rate_unit(d.unit),
+                                                  meaning=f"time derivative of {n}")  # fmt: skip
+        return found
+
+    def instance(self, name: str = "") -> PythonInstance:
+        """Return a Python instance: CasADi's own evaluation, for tests and prototyping; experiments use the FMU."""
+        from .twin import PythonInstance
+
+        return PythonInstance(self, name or type(self).__name__)
+
+
+def rate_unit(unit: str) -> str:
+    """Return the spelling of a unit per second: ``m/s`` for ``m``, ``m/s2`` for ``m/s``."""
+    numerator, slash, denominator = unit.partition("/")
+    if not slash:
+        return f"{unit}/s"
+    terms = denominator.strip("()").split(".")
+    powers = {t.rstrip("0123456789"): int(t[len(t.rstrip("0123456789")) :] or 1) for t in terms}
+    powers["s"] = powers.get("s", 0) + 1
+    spelt = [f"{t}{n if n > 1 else ''}" for t, n in powers.items()]
+    return f"{numerator}/{spelt[0] if len(spelt) == 1 else '(' + '.'.join(spelt) + ')'}"
+
+
+def table_text(rows: np.ndarray) -> str:
+    """Write a table as the text an FMU takes: rows separated by ``;``, numbers by blanks, every bit kept."""
+    return ";".join(" ".join(repr(float(v)) for v in row) for row in rows)
+
+
+def table_rows(text: str) -> np.ndarray:
+    """Read a table back from its text; raises DeclarationError if the rows differ in length or hold no numbers."""
+    try:
+        return np.array([[float(v) for v in row.split()] for row in text.split(";") if row.strip()], dtype=float)
+    except ValueError as error:
+        raise DeclarationError(f"a table's text is rows of numbers separated by ';': {error}") from None
+
+
+__all__ = [
+    "Component",
+    "Declaration",
+    "event",
+    "input",
+    "output",
+    "parameter",
+    "state",
+    "structural",
+    "table",
+    "table_rows",
+    "table_text",
+]

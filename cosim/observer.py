@@ -1,0 +1,86 @@
+"""What a run tells those who watch it.  The master calls observers and knows nothing about what they do.
+
+The order of the calls of one run::
+
+    started
+      accepted            number 0: the initial values, start == end
+      rejected ...        any number of attempts that were taken back
+      accepted            one accepted step
+      event ...           components whose event that step ended at
+      ...
+    finished | failed
+
+A step that was taken back is never seen as accepted: time in the accepted points only grows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .system import System
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """What was asked for: the macro step and the span in ns, and the algorithm spelt out."""
+
+    step_ns: int
+    stop_ns: int
+    start_ns: int
+    algorithm: str
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A communication point that everybody reached.
+
+    ``inputs`` and ``outputs`` hold, by component, the flat Float64 buffers ``u`` and ``y`` of the instances (the ports
+    lie at ``u_at`` and ``y_at``): the inputs held over [start, end], the outputs at end.  They are the live buffers,
+    overwritten by the next step: copy what you keep.
+    """
+
+    number: int
+    start: int  # ns
+    end: int  # ns
+    wall: float  # s of wall clock since the run began
+    inputs: Mapping[str, np.ndarray]
+    outputs: Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """How a run went."""
+
+    steps: int  # accepted, those cut at events included
+    rejected: int
+    events: int
+    wall: float  # s
+    simulated: float  # s
+    terminated_by: str = ""  # the component that asked to end the run before its stop time
+
+
+class Observer:
+    """Base of all observers: does nothing; override what you want to know."""
+
+    def started(self, system: System, info: RunInfo) -> None:
+        """Tell that a run begins, before the components are initialised."""
+
+    def accepted(self, point: Point) -> None:
+        """Tell that everybody reached ``point.end``."""
+
+    def rejected(self, start: int, end: int, reached: int, component: str) -> None:
+        """Tell that [start, end] was taken back since *component* returned early at *reached* (all ns)."""
+
+    def event(self, time: int, component: str) -> None:
+        """Tell that everybody was brought to *time* (ns) for an event of *component*; follows that accepted point."""
+
+    def finished(self, summary: Summary) -> None:
+        """Tell that the run ended as it should."""
+
+    def failed(self, error: BaseException) -> None:
+        """Tell that the run broke off; everything accepted so far is valid."""

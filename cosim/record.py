@@ -1,0 +1,155 @@
+"""A run in memory: every input and output at every accepted point, as NumPy arrays or an xarray dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .clock import NS
+from .errors import WiringError, nearest
+from .observer import Observer, Point, RunInfo, Summary
+from .variable import FLOAT, Variable
+
+if TYPE_CHECKING:
+    import xarray
+
+    from .system import System
+
+_CHUNK = 4096  # rows
+
+
+class _Column:
+    """Rows of one length, kept in chunks, so that a growing record never copies what it has."""
+
+    def __init__(self, width: int) -> None:
+        self.chunks: list[np.ndarray] = [np.empty((_CHUNK, width))]
+        self.used = 0
+
+    def append(self, row: np.ndarray) -> None:
+        if self.used == _CHUNK:
+            self.chunks.append(np.empty_like(self.chunks[0]))
+            self.used = 0
+        self.chunks[-1][self.used] = row
+        self.used += 1
+
+    def rows(self, at: slice) -> np.ndarray:
+        parts = [*self.chunks[:-1], self.chunks[-1][: self.used]]
+        return np.concatenate([part[:, at] for part in parts])
+
+
+@dataclass(frozen=True)
+class _Port:
+    variable: Variable
+    column: _Column | None  # None: not Float64
+    at: slice
+    values: list[Any]  # of a port that is not Float64
+
+
+class Record(Observer):
+    """Keeps what was accepted.  ``record["body.gap"]`` has the shape (points, *shape of the port).
+
+    An input at a point is the value held over the step that ended there.  *names* keeps only these ports.
+    """
+
+    def __init__(self, names: Iterable[str] | None = None) -> None:
+        self.names = None if names is None else tuple(names)
+        self.points: list[tuple[int, int]] = []  # (start, end) in ns
+        self.events: list[tuple[int, str]] = []  # (time in ns, component)
+        self.rejections: list[tuple[int, int, int, str]] = []  # (start, end, reached, component)
+        self.info: RunInfo | None = None
+        self.summary: Summary | None = None
+        self.error: BaseException | None = None
+        self._ports: dict[str, _Port] = {}
+        self._columns: dict[tuple[str, str], _Column] = {}
+
+    def started(self, system: System, info: RunInfo) -> None:
+        self.info, self._system = info, system
+        known = {
+            f"{name}.{v.name}": (name, v)
+            for name, instance in system.instances.items()
+            for v in instance.variables.values()
+            if v.causality in ("input", "output")
+        }
+        for port in self.names or ():
+            if port not in known:
+                raise WiringError(f"nothing to record is called {port!r}; {nearest(port, known)}")
+        for port in self.names or known:
+            name, v = known[port]
+            instance = system.instances[name]
+            column, at = None, slice(0, 0)
+            if v.type == FLOAT:
+                at = (instance.u_at if v.causality == "input" else instance.y_at)[v.name]
+                width = len(instance.u if v.causality == "input" else instance.y)
+                column = self._columns.setdefault((name, v.causality), _Column(width))
+            self._ports[port] = _Port(v, column, at, [])
+
+    def accepted(self, point: Point) -> None:
+        self.points.append((point.start, point.end))
+        for (name, causality), column in self._columns.items():
+            column.append((point.inputs if causality == "input" else point.outputs)[name])
+        for port, kept in self._ports.items():
+            if kept.column is None:
+                kept.values.append(self._system[port])
+
+    def rejected(self, start: int, end: int, reached: int, component: str) -> None:
+        self.rejections.append((start, end, reached, component))
+
+    def event(self, time: int, component: str) -> None:
+        self.events.append((time, component))
+
+    def finished(self, summary: Summary) -> None:
+        self.summary = summary
+
+    def failed(self, error: BaseException) -> None:
+        self.error = error
+
+    @property
+    def time_ns(self) -> np.ndarray:
+        """Ends of the accepted steps in ns, the start of the run first."""
+        return np.array([end for _, end in self.points], dtype=np.int64)
+
+    @property
+    def time(self) -> np.ndarray:
+        """The same in s."""
+        return self.time_ns / NS
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __contains__(self, port: object) -> bool:
+        return port in self._ports
+
+    def ports(self) -> tuple[str, ...]:
+        """Return the names of what is recorded."""
+        return tuple(self._ports)
+
+    def __getitem__(self, port: str) -> np.ndarray:
+        """Return a port's values over the run; raises WiringError if it was not recorded."""
+        if port not in self._ports:
+            raise WiringError(f"nothing called {port!r} was recorded; {nearest(port, self._ports)}")
+        kept = self._ports[port]
+        if kept.column is None:
+            return np.array(kept.values)
+        return kept.column.rows(kept.at).reshape(-1, *kept.variable.shape)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return a dataset over ``time`` (s) with units; axes of arrays are called ``PORT.0``, ``PORT.1``, ..."""
+        import xarray
+
+        variables = {}
+        for port, kept in self._ports.items():
+            axes = [f"{port}.{axis}" for axis in range(len(kept.variable.shape))]
+            about = {"long_name": kept.variable.meaning, "causality": kept.variable.causality}
+            if kept.variable.unit is not None:
+                about["units"] = kept.variable.unit
+            variables[port] = (("time", *axes), self[port], about)
+        attributes: dict[str, Any] = {}
+        if self.info:
+            attributes = {"algorithm": self.info.algorithm, "step_ns": self.info.step_ns}
+        if self.error:
+            attributes["failed"] = str(self.error)
+        time = ("time", self.time, {"units": "s", "long_name": "simulated time"})
+        return xarray.Dataset(variables, {"time": time, "time_ns": ("time", self.time_ns)}, attributes)

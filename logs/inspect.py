@@ -1,0 +1,74 @@
+"""What a log holds, in numbers; and its signals as CSV or Parquet."""
+
+from __future__ import annotations
+
+import fnmatch
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+
+from cosim.errors import ScenarioError
+
+from .read import Signal, properties, signals, texts
+
+
+def describe(path: Path, patterns: list[str] | None = None) -> dict[str, Any]:
+    """Return properties, events and statistics of the signals that match any of *patterns* (all, if none are given).
+
+    Keys: ``properties``; ``events`` as (s, text); ``ports``: all names; ``signals``: by port unit, width, rows, min, max,
+    mean and rms over all values.
+    """
+    found = signals(path)
+    chosen = {p: s for p, s in found.items() if not patterns or any(fnmatch.fnmatch(p, q) for q in patterns)}
+    return {
+        "path": str(path),
+        "properties": properties(path),
+        "events": [(ns * 1e-9, text) for ns, text in texts(path, "/events/**")],
+        "ports": list(found),
+        "signals": {port: _statistics(signal) for port, signal in chosen.items()},
+    }
+
+
+def _statistics(signal: Signal) -> dict[str, Any]:
+    v = signal.values
+    return {
+        "unit": signal.unit, "width": v.shape[1], "rows": len(v), "min": float(np.min(v)), "max": float(np.max(v)),
+        "mean": float(np.mean(v)), "rms": float(np.sqrt(np.mean(v**2))),
+    }  # fmt: skip
+
+
+def export(path: Path, out: Path, ports: list[str]) -> Path:
+    """Write signals to ``.csv`` or ``.parquet``: a column ``time [s]``, then one per value, named with its unit."""
+    found = signals(path)
+    chosen = [found[p] for p in ports]
+    base = max(chosen, key=lambda s: len(s.ns)).ns
+    columns: dict[str, Any] = {"time [s]": base * 1e-9}
+    for signal in chosen:
+        same = np.array_equal(signal.ns, base)
+        for k in range(signal.values.shape[1]):
+            label = signal.port + (f"[{k + 1}]" if signal.values.shape[1] > 1 else "")
+            column = signal.values[:, k] if same else _on(base, signal, k)
+            columns[f"{label} [{signal.unit}]"] = column
+    table = pa.table(columns)
+    try:
+        if out.suffix == ".parquet":
+            pyarrow.parquet.write_table(table, out)
+        elif out.suffix == ".csv":
+            pyarrow.csv.write_csv(table, out)
+        else:
+            raise ScenarioError(f"cannot write {out}: the name must end in .csv or .parquet")
+    except OSError as error:
+        raise ScenarioError(f"cannot write {out}: {error}") from None
+    return out
+
+
+def _on(base: np.ndarray, signal: Signal, k: int) -> np.ndarray:
+    """Return a column at other times: its value there, not a number where it has none."""
+    column = np.full(len(base), np.nan)
+    _, mine, theirs = np.intersect1d(base, signal.ns, return_indices=True)
+    column[mine] = signal.values[theirs, k]
+    return column

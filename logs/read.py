@@ -1,0 +1,116 @@
+"""Reading a log back: signals with their units, properties, texts.  Needs no viewer and no server."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import xarray
+from rerun.chunk import RrdReader
+
+from cosim.errors import ScenarioError, nearest
+
+_SCALARS = "Scalars:scalars"
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One logged port: times in ns (n,), values (n, width), and what its values are called."""
+
+    port: str  # "wheels.normal_force"; an input's is "wheels.in.gap", the master's own "master.step_size"
+    ns: np.ndarray
+    values: np.ndarray
+    names: list[str]
+    unit: str
+    meaning: str
+
+
+def _open(path: Path) -> Any:
+    if not path.is_file():
+        raise ScenarioError(f"there is no log {path}")
+    try:
+        reader = RrdReader(str(path))
+        if not reader.recordings():
+            raise ScenarioError(f"{path} is not a Rerun log, or it is empty")
+        return reader
+    except ScenarioError:
+        raise
+    except Exception as error:
+        raise ScenarioError(f"{path} is not a Rerun log: {error}") from None
+
+
+def properties(path: Path) -> dict[str, dict[str, Any]]:
+    """Return the tables of properties of a log, such as ``run``, ``provenance``, ``outcome``, ``metrics``."""
+    found: dict[str, dict[str, Any]] = {}
+    for entity, values in _statics(path, "/__properties/**").items():
+        title = entity.removeprefix("/__properties").strip("/")
+        if title:
+            found[title] = values
+    return found
+
+
+def _statics(path: Path, content: str) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for chunk in _open(path).stream().filter(content=content, is_static=True):
+        batch = chunk.to_record_batch()
+        for field, column in zip(batch.schema, batch.columns, strict=True):
+            if b"rerun:component" in (field.metadata or {}):
+                value = column.to_pylist()[-1]
+                found.setdefault(chunk.entity_path, {})[field.name] = value[0] if value is not None and len(value) == 1 else value
+    return found
+
+
+def signals(path: Path, content: str = "/**") -> dict[str, Signal]:
+    """Return the logged signals by port; *content* is an entity expression such as ``/plant/wheels/**``."""
+    parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for chunk in _open(path).stream().filter(content=content, is_static=False, components=_SCALARS):
+        batch = chunk.to_record_batch()
+        column = batch.column(_SCALARS)
+        values = column.flatten().to_numpy(zero_copy_only=False).reshape(len(column), -1)
+        ns = batch.column("sim_time").cast(pa.int64()).to_numpy()
+        parts.setdefault(chunk.entity_path, []).append((ns, values))
+    described = _statics(path, content)
+    found = {}
+    for entity, chunks in parts.items():
+        ns = np.concatenate([c[0] for c in chunks])
+        order = np.argsort(ns, kind="stable")
+        values = np.concatenate([c[1] for c in chunks])[order]
+        facts = described.get(entity, {})
+        names = facts.get("signal_name", facts.get("SeriesLines:names", []))
+        names = [names] if isinstance(names, str) else list(names)
+        port = entity.strip("/").removeprefix("plant/").replace("/", ".")
+        found[port] = Signal(port, ns[order], values, names, str(facts.get("signal_unit", "1")), str(facts.get("meaning", "")))
+    return dict(sorted(found.items()))
+
+
+def texts(path: Path, content: str) -> list[tuple[int, str]]:
+    """Return text entries as (time in ns, text), in order."""
+    found = []
+    for chunk in _open(path).stream().filter(content=content, is_static=False):
+        batch = chunk.to_record_batch()
+        if "TextLog:text" in batch.schema.names and "sim_time" in batch.schema.names:
+            ns = batch.column("sim_time").cast(pa.int64()).to_pylist()
+            found += [(t, row[0]) for t, row in zip(ns, batch.column("TextLog:text").to_pylist(), strict=True) if row]
+    return sorted(found)
+
+
+def load(path: Path | str, ports: list[str] | None = None) -> xarray.Dataset:
+    """Return a log as a dataset over time in s: one variable per port with its unit and meaning, properties as attributes.
+
+    Raises ScenarioError for a file that is no log, or a port it does not have.
+    """
+    found = signals(Path(path))
+    for port in ports or ():
+        if port not in found:
+            raise ScenarioError(f"the log {path} has no signal {port!r}; {nearest(port, found)}")
+    data = {}
+    for port in ports or found:
+        signal = found[port]
+        dims = ("time",) if signal.values.shape[1] == 1 else ("time", f"{port} index")
+        values = signal.values[:, 0] if len(dims) == 1 else signal.values
+        data[port] = xarray.DataArray(values, {"time": signal.ns * 1e-9}, dims, attrs={"units": signal.unit, "long_name": signal.meaning})
+    attributes = {f"{title}.{key}": value for title, table in properties(Path(path)).items() for key, value in table.items()}
+    return xarray.Dataset(data, attrs=attributes)

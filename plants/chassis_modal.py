@@ -1,0 +1,83 @@
+"""The flexible chassis in modal coordinates (thesis chapters 7 and 8), advanced exactly.
+
+Every elastic mode, with its shape mass-normalised (Phi^T M Phi = I, which 7.10 needs), obeys
+
+    q'' + 2 zeta w q' + w^2 q = phi_wheels^T F                      (7.10)
+
+F held over a step dt, q relative to its static value d = f/w^2 moves as e^{-zeta w t} (cos w_d t, sin w_d t), so
+
+    q(dt)  = d + E ((q - d) (C + zeta w S) + q' S)                  E = e^{-zeta w dt}, C = cos w_d dt,
+    q'(dt) = E (q' (C - zeta w S) - (q - d) w^2 S)                  S = sin(w_d dt) / w_d
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from cosim import Component, input, output, parameter, state, structural
+
+
+class ChassisModal(Component):
+    """Elastic modes of the chassis, driven by the vertical forces at its four wheel nodes.
+
+    Elastic motion only: the six rigid modes are the rigid body's.  Wheels in the order front-left, front-right, rear-left,
+    rear-right; stations as numbered in the modal data.  Accelerations depend on how many modes are kept: state it.
+    """
+
+    modes = structural(25, "number of elastic modes")
+    stations = structural(20, "number of stations at which the acceleration is given")
+
+    frequency = parameter(25.0, "Hz", "undamped natural frequencies", shape="modes")
+    damping = parameter(5e-5, "1", "damping ratios zeta, below 1", shape="modes")
+    wheel_shape = parameter(0.0, "1", "vertical mode shapes at the wheel nodes, mass-normalised (kg^-1/2)", shape=(4, "modes"))
+    station_shape = parameter(0.0, "1", "vertical mode shapes at the stations, mass-normalised (kg^-1/2)", shape=("stations", "modes"))
+
+    wheel_force = input("N", "vertical force of each wheel on the chassis, upwards", shape=4)
+
+    modal_q = state(0.0, "m", "modal coordinates (m kg^1/2)", shape="modes", nominal=1e-3)
+    modal_rate = state(0.0, "m/s", "their time derivatives (m kg^1/2 / s)", shape="modes", nominal=1e-2)
+
+    acceleration = output("m/s2", "elastic acceleration at the stations, upwards, right after the input", shape="stations")
+    modal_displacement = output("m", "modal coordinates (m kg^1/2)", shape="modes")
+    strain_energy = output("J", "energy stored in the elastic modes")
+    elastic_kinetic_energy = output("J", "kinetic energy of the elastic modes")
+
+    def flow(s: Any) -> dict[str, Any]:
+        w, wd, f = _frequencies(s)
+        still = f / w**2
+        decay = ca.exp(-s.damping * w * s.dt)
+        C, S = ca.cos(wd * s.dt), ca.sin(wd * s.dt) / wd
+        off = s.modal_q - still
+        return {
+            "modal_q": still + decay * (off * (C + s.damping * w * S) + s.modal_rate * S),
+            "modal_rate": decay * (s.modal_rate * (C - s.damping * w * S) - off * w**2 * S),
+        }
+
+    def derivatives(s: Any) -> dict[str, Any]:
+        w, _, f = _frequencies(s)
+        return {"modal_q": s.modal_rate, "modal_rate": f - 2 * s.damping * w * s.modal_rate - w**2 * s.modal_q}
+
+    def outputs(s: Any) -> dict[str, Any]:
+        w, _, _ = _frequencies(s)
+        return {
+            "acceleration": s.station_shape @ ChassisModal.derivatives(s)["modal_rate"],
+            "modal_displacement": s.modal_q,
+            "strain_energy": ca.sumsqr(w * s.modal_q) / 2,
+            "elastic_kinetic_energy": ca.sumsqr(s.modal_rate) / 2,
+        }
+
+
+def _frequencies(s: Any) -> tuple[Any, Any, Any]:
+    """Return w and w_d in rad/s, and the modal forces."""
+    w = 2 * pi * s.frequency
+    return w, w * ca.sqrt(1 - s.damping**2), s.wheel_shape.T @ s.wheel_force
+
+
+def static_deflection(chassis: Component, wheel_force: np.ndarray) -> np.ndarray:
+    """Return the modal coordinates (modes,) under constant wheel forces (4,) in N: q = f / w^2."""
+    values = chassis.values
+    return values["wheel_shape"].T @ wheel_force / (2 * pi * values["frequency"]) ** 2

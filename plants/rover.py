@@ -1,0 +1,134 @@
+"""The rover: three plants and their wires, with the controller's ports left open, and how it stands when a run starts.
+
+    controller --> wheels --> body --> chassis
+         ^           ^---------'
+         '-----------'
+
+Gauss-Seidel order: the controller sees the outputs of t_n, the wheels step on the reduced interface model of t_n, the
+body on the wheels' mean forces over [t_n, t_n + h], the chassis on the wheel forces that the body passes on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import root
+
+from cosim import Component, CouplingError
+from cosim.instance import Instance
+
+from .chassis_modal import static_deflection
+from .tables import G
+
+ORDER = ("controller", "wheels", "body", "chassis")
+
+PLANT_WIRES = {
+    **{f"wheels.{port}": f"body.{port}" for port in ("gap", "gap_rate", "contact_velocity", "P", "U", "b_free")},
+    **{f"body.{port}": f"wheels.{port}" for port in ("normal_force", "traction", "lateral")},
+}
+CHASSIS_WIRES = {"chassis.wheel_force": "body.wheel_force"}
+CONTROLLER_WIRES = {
+    "wheels.traction_demand": "controller.traction_demand",
+    **{f"controller.{port}": f"body.{port}" for port in ("gap", "gap_rate", "P", "U", "b_free")},
+    "controller.normal_force": "wheels.normal_force_end",
+}
+
+# Stands in for the stiffness of a rigid contact when the start is solved: 1e13 N/m leaves 4e-11 m of penetration under a
+# quarter of 170 kg, which the contact law turns into less than 1e-6 m/s at a macro step of 1e-4 s.
+_RIGID = 1e13
+
+
+@dataclass(frozen=True)
+class Stance:
+    """Where and how the rover stands or moves at the start: position along the road, speed, both in world axes."""
+
+    x: float = 0.0  # m, of the centre of mass
+    speed: float = 0.0  # m/s, along +x
+
+
+def wires(slots: set[str]) -> dict[str, str]:
+    """Return the connections among the slots that are filled."""
+    every = {**PLANT_WIRES, **CHASSIS_WIRES, **CONTROLLER_WIRES}
+    return {t: s for t, s in every.items() if t.split(".")[0] in slots and s.split(".")[0] in slots}
+
+
+def quaternion(pitch: float, roll: float) -> np.ndarray:
+    """Return the attitude (w, x, y, z): nose-up *pitch*, then *roll* to the right about the body's x axis, in rad."""
+    p, r = -pitch / 2, roll / 2  # a right-handed turn about y is nose-down
+    return np.array([np.cos(p) * np.cos(r), np.cos(p) * np.sin(r), np.sin(p) * np.cos(r), -np.sin(p) * np.sin(r)])
+
+
+def stand(body: Component, wheels: Component, stance: Stance) -> dict[str, np.ndarray]:
+    """Solve for the static equilibrium of height, pitch and roll on the wheel springs at ``stance.x``.
+
+    Returns the start values ``body.r``, ``body.q``, ``body.v``, ``wheels.z`` (m, compression negative) and
+    ``normal_force`` (4,) in N.  On a slope only the vertical force and the two moments vanish: nothing brakes the robot.
+    Raises CouplingError if no equilibrium is found, for instance with a wheel over a gap.
+    """
+    k = wheels.values["k_w"] if "k_w" in wheels.values else np.full(4, _RIGID)
+    m, h, R = float(body.m), float(body.h), float(body.R)
+    instance = body.instance("body")
+    instance.enter_initialization(0)
+    sag = m * G / np.sum(k)
+
+    def place(unknowns: np.ndarray) -> np.ndarray:
+        z, pitch, roll = unknowns
+        instance.set("r", np.array([stance.x, 0.0, z]))
+        instance.set("q", quaternion(pitch, roll))
+        instance.set("normal_force", np.maximum(0, -k * instance.get("gap")))
+        return np.array([instance.get("der(v)")[2], *instance.get("der(omega)")[:2]])
+
+    place(np.array([h + R, 0, 0]))
+    height = h + R - float(np.min(instance.get("gap"))) - sag  # lowest clearance closed, then sagged
+    found = root(place, [height, 0.0, 0.0], method="hybr", options={"xtol": 1e-15, "eps": 1e-7 * sag / height})
+    unknowns = _polish(place, found.x, sag)
+    residual = place(unknowns)
+    if np.max(np.abs(residual)) > 1e-6 * max(1.0, np.max(k) / _RIGID * 1e4):
+        raise CouplingError(
+            f"the rover finds no static equilibrium at x = {stance.x:g} m: {residual[0]:.2g} m/s2 and "
+            f"{residual[2]:.2g} rad/s2 are left; start it where all four wheels meet the ground, such as on a flat stretch"
+        )
+    gap = instance.get("gap")
+    return {
+        "body.r": instance.get("r"), "body.q": instance.get("q"), "body.v": np.array([stance.speed, 0.0, 0.0]),
+        "wheels.z": gap, "normal_force": np.maximum(0, -k * gap),
+    }  # fmt: skip
+
+
+def _polish(residual: Any, x: np.ndarray, sag: float) -> np.ndarray:
+    """Newton with a difference quotient, until rounding: a standing robot must not drift for seconds."""
+    steps = np.array([sag, sag, sag]) * 1e-3
+    for _ in range(6):
+        f = residual(x)
+        jacobian = np.column_stack([(residual(x + d) - residual(x - d)) / (2 * s) for s, d in zip(steps, np.diag(steps), strict=True)])  # fmt: skip
+        if not np.linalg.matrix_rank(jacobian) == 3:
+            break
+        trial = x - np.linalg.solve(jacobian, f)
+        if not np.max(np.abs(residual(trial))) < np.max(np.abs(f)):
+            break
+        x = trial
+    return x
+
+
+def start_values(components: dict[str, Component], stance: Stance) -> dict[str, np.ndarray]:
+    """Return every start value of a standing or rolling rover, as ``slot.state``: body, wheels and static chassis modes."""
+    body, wheels = components["body"], components["wheels"]
+    found = stand(body, wheels, stance)
+    forces = found.pop("normal_force")
+    if "z" not in wheels.declarations:  # rigid wheels have a force where deformable ones have a deformation
+        found.pop("wheels.z")
+        found["wheels.force"] = forces
+    chassis = components.get("chassis")
+    if chassis is not None:
+        found["chassis.modal_q"] = static_deflection(chassis, forces)
+    return found
+
+
+def apply(starts: dict[str, np.ndarray], instances: dict[str, Instance]) -> None:
+    """Set start values on the instances they belong to; a slot filled by a foreign FMU keeps its own."""
+    for target, value in starts.items():
+        slot, _, variable = target.partition(".")
+        if slot in instances and variable in instances[slot].variables:
+            instances[slot].set(variable, value)

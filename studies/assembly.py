@@ -1,0 +1,126 @@
+"""From a scenario to components, start values and wires: the rover, or any components and FMUs wired by hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from cosim import Component
+from cosim.errors import ScenarioError
+from cosim.scenario import LinkSpec, Scenario, Slot, describe_problem
+from plants import rover
+from plants.ground import Ground
+from plants.tables import Robot, robot
+
+from .catalog import component, profile
+
+
+class StartSpec(BaseModel):
+    """Where the rover starts: position of its centre of mass along the road in m, speed in m/s."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    x: float = 0.0
+    speed: float = Field(2.0, strict=True)
+
+
+class RoverSections(BaseModel):
+    """The sections of a scenario that only the rover understands."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    robot: dict[str, Any]
+    ground: dict[str, Any]
+    start: StartSpec = StartSpec()
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Everything a run is made of, before any FMU is loaded."""
+
+    scenario: Scenario
+    components: dict[str, Component | str]  # slot: component, or the path of a foreign FMU
+    connections: dict[str, str | LinkSpec]
+    starts: dict[str, np.ndarray]
+    order: tuple[str, ...]
+    every: dict[str, int]
+    robot: Robot | None = None
+    ground: Ground | None = None
+    notes: tuple[str, ...] = field(default=())
+
+
+def assemble(scenario: Scenario) -> Assembly:
+    """Resolve a scenario; raises ScenarioError naming the key for anything that does not exist or does not fit."""
+    if scenario.assembly is None:
+        return _free(scenario)
+    if scenario.assembly != "rover":
+        raise ScenarioError(f"{scenario.name}: there is no assembly {scenario.assembly!r}; known: rover")
+    return _rover(scenario)
+
+
+def _free(scenario: Scenario) -> Assembly:
+    if scenario.sections():
+        key = next(iter(scenario.sections()))
+        raise ScenarioError(f'{scenario.name}: {key} is not known here; did you leave out assembly = "rover"?')
+    if not scenario.components:
+        raise ScenarioError(f"{scenario.name}: there are no components; add [components.NAME] with a type or an fmu")
+    parts = {name: _fill(name, slot, {}) for name, slot in scenario.components.items()}
+    every = {name: slot.every for name, slot in scenario.components.items()}
+    return Assembly(scenario, parts, dict(scenario.connections), {}, scenario.run.order, every)
+
+
+def _fill(name: str, slot: Slot, more: dict[str, Any]) -> Component | str:
+    where = f"components.{name}"
+    if slot.fmu is not None:
+        if slot.type is not None or slot.parameters():
+            raise ScenarioError(f"{where} names an fmu, so it cannot have a type or parameters beside it")
+        return slot.fmu
+    if slot.type is None:
+        raise ScenarioError(f"{where} needs a type of the catalog or the path of an fmu")
+    return component(slot.type, {**more, **slot.parameters()}, where)
+
+
+def _rover(scenario: Scenario) -> Assembly:
+    try:
+        sections = RoverSections.model_validate(scenario.sections())
+    except ValidationError as error:
+        raise ScenarioError(f"{scenario.name}: {describe_problem(error, RoverSections)}") from None
+    changes = dict(sections.robot)
+    bot = robot(str(changes.pop("table", "thesis_6_1"))).with_changes(**changes)
+    road = _ground(sections.ground)
+    parts: dict[str, Component | str] = {}
+    for name in (*rover.ORDER, *(n for n in scenario.components if n not in rover.ORDER)):
+        slot = scenario.components.get(name, Slot(type="RigidBody") if name == "body" else None)
+        if slot is None:
+            if name == "wheels":
+                raise ScenarioError(f"{scenario.name}: components.wheels is missing; a rover needs wheels")
+            continue
+        given = {**bot.body_parameters(), **road.tables(bot.R)} if slot.type == "RigidBody" else {}
+        parts[name] = _fill(name, slot, given)
+    starts: dict[str, np.ndarray] = {}
+    own = {n: c for n, c in parts.items() if isinstance(c, Component)}
+    if "body" in own and "wheels" in own:
+        starts = rover.start_values(own, rover.Stance(sections.start.x, sections.start.speed))
+    connections: dict[str, str | LinkSpec] = {**rover.wires(set(parts)), **scenario.connections}
+    order = scenario.run.order or tuple(parts)
+    notes = ()
+    if scenario.run.algorithm == "jacobi":
+        notes = (
+            "Jacobi with the reduced interface model is worse than the classical coupling (0.5 m/s at a macro step of "
+            "1e-4 s on the ramp): the wheels and the body then use each other's values of the step before; "
+            'algorithm = "gauss-seidel" is what this assembly is made for',
+        )
+    every = {name: slot.every for name, slot in scenario.components.items()}
+    return Assembly(scenario, parts, connections, starts, order, every, bot, road, notes)
+
+
+def _ground(spec: dict[str, Any]) -> Ground:
+    sides = {"left", "right"} & set(spec)
+    if not sides:
+        return Ground.same(profile(spec, "ground"))
+    if sides != {"left", "right"} or len(spec) != 2:
+        raise ScenarioError("ground needs either one profile, or exactly ground.left and ground.right")
+    return Ground(profile(spec["left"], "ground.left"), profile(spec["right"], "ground.right"))

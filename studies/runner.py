@@ -1,0 +1,150 @@
+"""Run a scenario: assemble, build and load the FMUs, co-simulate, record, judge."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+import fmus
+from cosim import Component, CosimError
+from cosim.algorithms import GaussSeidel, Jacobi
+from cosim.clock import ticks
+from cosim.instance import Instance
+from cosim.master import run
+from cosim.observer import Observer, Summary
+from cosim.record import Record
+from cosim.scenario import LinkSpec, Scenario
+from cosim.system import Link, System
+from plants import rover
+
+from .assembly import Assembly, assemble
+from .metrics import Metric, verdict
+
+Progress = Callable[[str], None]
+
+
+@dataclass
+class Result:
+    """A finished (or failed) run: its scenario, its signals and the verdict on them."""
+
+    assembly: Assembly
+    record: Record
+    metrics: list[Metric]
+    summary: Summary | None
+    error: CosimError | None = None
+    seconds: dict[str, float] = field(default_factory=dict)  # wall time of building, starting, running
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario as it was run, overrides included."""
+        return self.assembly.scenario
+
+    def signal(self, name: str) -> np.ndarray | None:
+        """Return a port's values (n, ...), or None if the run has no such port."""
+        return self.record[name] if name in self.record else None
+
+
+def instantiate(assembly: Assembly, say: Progress = lambda text: None) -> dict[str, Instance]:
+    """Build (or find in the cache) and load one FMU per slot, parameters and start values set."""
+    instances: dict[str, Instance] = {}
+    try:
+        for name, part in assembly.components.items():
+            if isinstance(part, Component):
+                say(f"FMU {type(part).__name__}")
+                instances[name] = fmus.instantiate(part, name, fmi=assembly.scenario.run.fmi)
+            else:
+                say(f"FMU {part}")
+                instances[name] = fmus.load(part, name)
+        rover.apply(assembly.starts, instances)
+    except BaseException:
+        for instance in instances.values():
+            instance.close()
+        raise
+    return instances
+
+
+def link(value: str | LinkSpec) -> str | Link:
+    """Turn a connection of a scenario file into one of the system."""
+    if isinstance(value, str):
+        return value
+    return Link(value.source, convert=value.convert, factor=value.factor, offset=value.offset)
+
+
+def connect(assembly: Assembly, instances: dict[str, Instance]) -> System:
+    """Wire the instances as the assembly says."""
+    return System(instances, {t: link(s) for t, s in assembly.connections.items()}, every=assembly.every)
+
+
+def algorithm_of(assembly: Assembly) -> Jacobi | GaussSeidel:
+    """Return the strategy object that the scenario names."""
+    return Jacobi() if assembly.scenario.run.algorithm == "jacobi" else GaussSeidel(assembly.order)
+
+
+def obstacle_start(assembly: Assembly) -> float | None:
+    """Return where the path of a wheel first leaves the level, in m, or None without a known ground or an obstacle."""
+    if assembly.ground is None or assembly.robot is None:
+        return None
+    return assembly.ground.departure(assembly.robot.R)
+
+
+def execute(
+    scenario: Scenario,
+    observers: Callable[[Assembly, dict[str, Instance], Record], Sequence[Observer]] = lambda *run: (),
+    say: Progress = lambda text: None,
+) -> Result:
+    """Run one variant of a scenario to its end, or to its failure: then ``error`` is set and what was computed is kept.
+
+    *observers* makes the observers of this run beside the in-memory record.  Raises CosimError for anything that is
+    wrong before the first step.
+    """
+    clock = perf_counter()
+    assembly = assemble(scenario)
+    instances = instantiate(assembly, say)
+    seconds = {"building": perf_counter() - clock}
+    record = Record()
+    system = connect(assembly, instances)
+    summary: Summary | None = None
+    failure: CosimError | None = None
+    try:
+        clock = perf_counter()
+        summary = run(
+            system,
+            algorithm_of(assembly),
+            step=ticks(scenario.run.step, "run.step"),
+            stop=ticks(scenario.run.duration, "run.duration"),
+            observers=[record, *observers(assembly, instances, record)],
+            locate_events=scenario.run.locate_events,
+            tolerance=scenario.run.tolerance,
+        )
+    except CosimError as error:
+        if not len(record):
+            raise
+        failure = error
+    finally:
+        seconds["running"] = perf_counter() - clock
+        system.close()
+    return Result(assembly, record, judge(assembly, record), summary, failure, seconds)
+
+
+def judge(assembly: Assembly, record: Record) -> list[Metric]:
+    """Return the verdict on what was recorded so far; empty before the first step."""
+    if len(record) < 2:
+        return []
+    return verdict(record.time, lambda port: record[port] if port in record else None, obstacle_start(assembly))
+
+
+def provenance(instances: Mapping[str, Instance]) -> dict[str, Any]:
+    """Return what is needed to run this again: versions, FMU tokens, host."""
+    found = {"python": platform.python_version(), "platform": platform.platform()}
+    for package in ("wmr-cosim", "casadi", "fmpy", "numpy", "rerun-sdk"):
+        try:
+            found[package.replace("-", "_")] = version(package)
+        except PackageNotFoundError:
+            found[package.replace("-", "_")] = "not installed"
+    return {**found, **{f"token_{name}": getattr(instance, "token", "") for name, instance in instances.items()}}

@@ -1,0 +1,127 @@
+"""Balance laws of the co-simulated rover: impulse, energy, unilateral contact, friction, symmetry, rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fmus
+from cosim.algorithms import GaussSeidel
+from cosim.clock import ticks
+from cosim.master import run
+from cosim.record import Record
+from cosim.system import System
+from plants import rover
+from plants.ground import Flat, Ground, Hump, Ramp
+from plants.rigid_body import RigidBody
+from plants.tables import G, ROBOTS
+from plants.wheel_deformation import WheelDeformation
+from studies.coupling import Case, cosimulate
+
+ROBOT = ROBOTS["thesis_6_1"]
+RAMP = Ground.same(Ramp(start=0.63, angle=0.3))
+
+
+def drive(
+    ground: Ground, wheels: WheelDeformation, speed: float, duration: float, step: float, demand: float = 0.0
+) -> Record:
+    """Run body and wheels with a constant traction demand per wheel."""
+    body = RigidBody(**ROBOT.body_parameters(), **ground.tables(ROBOT.R))
+    starts = rover.start_values({"body": body, "wheels": wheels}, rover.Stance(0.0, speed))
+    instances = {"wheels": fmus.instantiate(wheels, "wheels"), "body": fmus.instantiate(body, "body")}
+    rover.apply(starts, instances)
+    instances["wheels"].set("traction_demand", np.full(4, demand))
+    record = Record()
+    with System(instances, rover.wires({"wheels", "body"})) as system:
+        run(
+            system,
+            GaussSeidel(("wheels", "body")),
+            step=ticks(step, "step"),
+            stop=ticks(duration, "stop"),
+            observers=[record],
+        )
+    return record
+
+
+@pytest.fixture(scope="module")
+def impact() -> Record:
+    """The hard-wheeled rover hits the ramp while every wheel is asked for more traction than friction allows."""
+    return drive(RAMP, WheelDeformation(k_w=np.full(4, 2.8e6), mu=0.4), 2.0, 0.1, 1e-4, demand=2e3)
+
+
+def test_impulse_delivered_is_impulse_received(impact: Record) -> None:
+    assert len(impact.events) == 1  # a shortened step is among them
+    delivered, received = impact["wheels.normal_impulse"], impact["body.normal_impulse"]
+    # both are a mean force times a step length: two roundings each, and a few in the integrator's sum of stages
+    assert np.max(np.abs(delivered - received)) <= 16 * np.finfo(float).eps * np.max(delivered)
+    assert np.max(delivered) > 0.1  # N.s; the comparison is about something
+
+
+def test_ground_pushes_and_never_pulls(impact: Record) -> None:
+    for port in ("normal_force", "normal_force_end"):
+        assert np.min(impact[f"wheels.{port}"]) >= 0
+    assert np.min(impact["wheels.normal_force"]) == 0  # the wheels do leave the ground in this run
+
+
+def test_traction_never_exceeds_friction(impact: Record) -> None:
+    used, available = np.abs(impact["wheels.traction"]), 0.4 * impact["wheels.normal_force"]
+    # the two integrals share every stage of the integrator, so they differ by rounding only
+    assert np.all(used <= available + 1e-12 * np.max(available))
+    assert np.max(used) > 100  # N
+
+
+def test_symmetric_run_stays_symmetric(impact: Record) -> None:
+    for port in ("normal_force", "traction", "deformation"):
+        left, right = impact[f"wheels.{port}"][:, 0::2], impact[f"wheels.{port}"][:, 1::2]
+        # an odd rounding of 1e-16 of the largest force grows with at most exp(250 rad/s 0.1 s) = 7e10 near a contact's edge
+        assert np.max(np.abs(left - right)) <= 1e-5 * np.max(np.abs(left))
+    assert np.max(np.abs(impact["body.velocity"][:, 1])) < 1e-12
+    assert np.max(np.abs(impact["body.rate"][:, [0, 2]])) < 1e-12
+
+
+def test_robot_at_rest_stays_at_rest() -> None:
+    """Ten seconds on the flat: below 1e-9 m/s, with the normal forces of statics."""
+    wheels = WheelDeformation(k_w=np.full(4, 1e5))
+    record = drive(Ground.same(Flat()), wheels, 0.0, 10.0, 1e-3)
+    assert np.max(np.abs(record["body.velocity"])) < 1e-9
+    # moments about the contacts: the front axle carries L_r / L of the weight; the sag tilts the body by 4e-4 rad, which
+    # moves the centre of mass by h times that, 2e-4 of the wheelbase
+    front = ROBOT.m * G * ROBOT.L_r / ROBOT.L / 2
+    forces = record["wheels.normal_force"][-1]
+    np.testing.assert_allclose(forces[:2], front, rtol=1e-3)
+    np.testing.assert_allclose(np.sum(forces), ROBOT.m * G, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(
+            Case(ROBOT, Ground.same(Flat()), k_w=1e5, lift=5e-3, speed=0.0, duration=0.2), id="5 mm drop on the flat"
+        ),
+        pytest.param(
+            Case(ROBOT, Ground.same(Hump(start=0.65, length=0.8, height=0.02)), k_w=1e5, speed=1.0, duration=0.4),
+            id="smooth hump",
+        ),
+    ],
+)
+def test_energy_drift_shrinks_with_the_step(case: Case) -> None:
+    """Undamped, the only loss is the coupling's: its drift falls with the square of the macro step, at least linearly."""
+    steps = (8e-4, 4e-4, 2e-4, 1e-4)
+    drift = [float(np.max(np.abs(trace.energy - trace.energy[0]))) for trace in (cosimulate(case, h) for h in steps)]
+    order = np.polyfit(np.log(steps), np.log(drift), 1)[0]
+    assert 1.0 < order < 4.0, drift
+    assert drift[-1] < drift[0] / 8
+
+
+def test_energy_does_not_jump_at_a_kink() -> None:
+    """Across the located kink the energy changes no more than over an ordinary step nearby."""
+    wheels = WheelDeformation(k_w=np.full(4, 2.8e6))
+    record = drive(RAMP, wheels, 2.0, 0.012, 1e-4)
+    gap = np.minimum(record["body.gap"], 0)
+    energy = record["body.kinetic_energy"] + record["body.potential_energy"] + 1.4e6 * np.sum(gap**2, axis=1)
+    at = int(np.searchsorted(record.time_ns, record.events[0][0]))
+    assert record.time_ns[at] == record.events[0][0]
+    # at the switch both faces are equally far: elastic energy is continuous to k z (v tick), 1e-9 s after the crossing
+    jump = abs(energy[at] - energy[at - 1])
+    stored = 1.4e6 * np.sum(gap[at] ** 2)
+    assert jump < 1e-3 * stored

@@ -1,0 +1,65 @@
+"""A run in memory: nothing is lost or mixed up, however long it is."""
+
+import numpy as np
+import pytest
+from toys import Scripted, port
+
+from cosim import Advance, Jacobi, Record, System, WiringError, run
+
+
+def numbered(n: int) -> tuple[System, Scripted]:
+    """Return a system of one instance whose outputs hold the number of its step, as (2, 2) and as a scalar."""
+    ports = [port("u", "input", shape=(2,), unit="m"), port("A", "output", shape=(2, 2), unit="N", meaning="a force")]
+    part = Scripted([*ports, port("k", "output"), port("on", "output", "Boolean")])
+    part.pull = lambda: part.y.__setitem__(slice(None), part.steps * np.arange(1, 6))  # type: ignore[method-assign]
+    part.get = lambda name: part.steps % 2 == 1  # type: ignore[method-assign]
+    return System({"a": part}, {}), part
+
+
+def test_more_rows_than_a_chunk() -> None:
+    n = 10_000
+    record = Record()
+    run(numbered(n)[0], Jacobi(), step=1000, stop=n * 1000, observers=[record])
+    steps = np.arange(n + 1)
+    assert len(record) == n + 1
+    np.testing.assert_array_equal(record["a.A"], steps[:, None, None] * np.array([[1, 2], [3, 4]]))
+    np.testing.assert_array_equal(record["a.k"], 5 * steps)
+    np.testing.assert_array_equal(record["a.on"], steps % 2 == 1)
+    assert record["a.u"].shape == (n + 1, 2)
+
+
+def test_a_selection_keeps_only_that() -> None:
+    record = Record(["a.k", "a.on"])
+    run(numbered(3)[0], Jacobi(), step=1000, stop=3000, observers=[record])
+    assert record.ports() == ("a.k", "a.on")
+    assert "a.A" not in record
+    with pytest.raises(WiringError) as caught:
+        record["a.kk"]
+    assert str(caught.value) == "nothing called 'a.kk' was recorded; did you mean 'a.k'?"
+
+
+def test_a_selection_of_what_is_not_there_is_refused() -> None:
+    with pytest.raises(WiringError) as caught:
+        run(numbered(1)[0], Jacobi(), step=1000, stop=1000, observers=[Record(["a.q"])])
+    assert str(caught.value) == "nothing to record is called 'a.q'; did you mean 'a.u'?"
+
+
+def test_a_dataset_has_units_and_named_axes() -> None:
+    record = Record()
+    run(numbered(3)[0], Jacobi(), step=1000, stop=3000, observers=[record])
+    data = record.to_xarray()
+    assert data["a.A"].dims == ("time", "a.A.0", "a.A.1")
+    assert data["a.A"].attrs == {"units": "N", "long_name": "a force", "causality": "output"}
+    assert data.attrs == {"algorithm": "Jacobi()", "step_ns": 1000}
+    np.testing.assert_array_equal(data["a.A"].sel(time=2e-6), [[2, 4], [6, 8]])
+    assert data["time_ns"].values.tolist() == [0, 1000, 2000, 3000]
+
+
+def test_what_failed_says_so() -> None:
+    system, part = numbered(3)
+    part.script = {2: ValueError("stuck"), 1: lambda start, end: Advance(end)}
+    record = Record()
+    with pytest.raises(Exception, match="stuck"):
+        run(system, Jacobi(), step=1000, stop=3000, observers=[record])
+    assert record.to_xarray().attrs["failed"] == "a failed at t = 1e-06 s: ValueError: stuck"
+    np.testing.assert_array_equal(record["a.k"], [0, 5])
