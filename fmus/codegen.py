@@ -1,0 +1,132 @@
+"""The C of a component: its equations by CasADi, and the description of its slots that the harness reads."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from cosim.component import table_text
+
+from .layout import Layout
+
+PREFIX = "eq_"  # a function's name becomes a C identifier: alone, "jump" or "out" might collide
+
+
+# The directional derivatives are the longest function and the least called: optimising them took most of the compile
+# time (15 of 20 s for the rigid body).
+_UNHURRIED = """\
+#if defined(__clang__)
+#pragma clang optimize off
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("O0")
+#endif
+"""
+_HURRIED = """\
+#if defined(__clang__)
+#pragma clang optimize on
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
+"""
+
+
+def equations_source(layout: Layout) -> str:
+    """Return the C of the component's equation functions."""
+    options = {"with_header": False, "main": False, "mex": False, "with_mem": False}
+    generator = ca.CodeGenerator("equations.c", options)
+    for name, function in layout.component.equations.functions().items():
+        generator.add(_exported(function, PREFIX + name))
+    with tempfile.TemporaryDirectory() as folder:
+        generator.generate(f"{folder}/")
+        source = Path(folder, "equations.c").read_text()
+    begin, end = source.index(f"/* {PREFIX}jvp:"), source.index(f"CASADI_SYMBOL_EXPORT int {PREFIX}jvp(")
+    return "".join((source[:begin], _UNHURRIED, source[begin:end], _HURRIED, source[end:]))
+
+
+def _exported(function: ca.Function, name: str) -> ca.Function:
+    """Return the function under another name, with what it computes more than once computed once."""
+    arguments = function.sx_in()
+    return ca.Function(name, arguments, ca.cse(function.call(arguments)))
+
+
+def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
+    """Return the C that describes the component to the harness and includes its equations."""
+    eq, first, start = layout.component.equations, layout.first, layout.start()
+    extent = np.zeros(first["end"], int)
+    extent[0] = 1
+    for v in layout.variables:
+        if v.type != "String":
+            extent[layout.reference[v.name]] = v.size
+    functions = eq.functions()
+    events = [
+        label
+        for b in eq.events
+        for label in ([b.name] if not b.shape else [f"{b.name}[{i + 1}]" for i in range(b.shape[0])])
+    ]
+    tables = [
+        f"{{{_quoted(b.name)}, {b.shape[0]}, {b.shape[1]}, {_quoted(table_text(layout.component.values[b.name]))}}}"
+        for b in eq.tables
+    ]
+    period = -1 if eq.period is None else first["p"] + eq.period
+    sizes = {
+        "n_p": first["u"] - first["p"],
+        "n_u": first["x"] - first["u"],
+        "n_x": first["y"] - first["x"],
+        "n_y": first["dx"] - first["y"],
+        "n_g": len(events),
+        "n_w": sum(b.shape[0] * b.shape[1] for b in eq.tables),
+        "n_keys": sum(b.shape[0] for b in eq.tables),
+        "n_tables": len(eq.tables),
+        "period": period,
+        "n_iw": max(f.sz_iw() for f in functions.values()),
+        "n_work": max(f.sz_w() for f in functions.values()),
+    }
+    members = [f".identifier = {_quoted(identifier)}", f".token = {_quoted(token)}"]
+    members += [f".{name} = {value}" for name, value in {**first, **sizes}.items()]
+    members += [f".{name} = {name}_of" for name in ("start", "nominal", "labels", "extent", "events", "announced")]
+    members += [".tables = tables_of", *(f".{name} = {PREFIX}{name}" for name in functions)]
+    return "\n".join(
+        [
+            f"/* {identifier}: its equations and the description of its slots; generated. */",
+            f"#define FMI_VERSION {fmi}",
+            _INCLUDE_EQUATIONS,
+            _array("double", "start_of", [repr(float(v)) for v in start]),
+            _array("double", "nominal_of", [repr(float(v)) for v in eq.nominal]),
+            _array("char *const", "labels_of", [_quoted(label) for label in layout.labels()]),
+            _array("unsigned", "extent_of", [str(n) for n in extent]),
+            _array("char *const", "events_of", [_quoted(label) for label in events]),
+            _array("unsigned char", "announced_of", [str(int(a)) for a in eq.announced]),
+            _array("TableLayout", "tables_of", tables, "{0}"),
+            "static const Model model = {\n    " + ",\n    ".join(members) + "};",
+            "",
+        ]
+    )
+
+
+_INCLUDE_EQUATIONS = """\
+#define CASADI_SYMBOL_EXPORT static
+#define casadi_int long long
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+#include "equations.c"
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif"""
+
+
+def _array(type: str, name: str, values: list[str], empty: str = "0") -> str:
+    rows = [", ".join(values[i : i + 8]) for i in range(0, len(values), 8)] or [empty]  # C has no empty arrays
+    return f"static const {type} {name}[] = {{\n    " + ",\n    ".join(rows) + "};"
+
+
+def _quoted(text: str) -> str:
+    """Return a C string literal; pieces, since compilers need not take more than 4095 characters in one."""
+    pieces = [text[i : i + 2000].replace("\\", "\\\\").replace('"', '\\"') for i in range(0, len(text), 2000)] or [""]
+    return " ".join(f'"{piece}"' for piece in pieces)

@@ -1,0 +1,59 @@
+/* Calling the equations on the values of an instance. */
+
+static void call(Instance *in, Equation *f, double t, double h, const double *x, const double *more, const double *last, double *result)
+{
+    const double *arg[8];
+    double *res[1];
+    arg[0] = &t;
+    arg[1] = &h;
+    arg[2] = x;
+    arg[3] = in->slot + model.u;
+    arg[4] = in->slot + model.p;
+    arg[5] = in->rows;
+    arg[6] = more;
+    arg[7] = last;
+    if (model.where) {
+        res[0] = in->keys;
+        model.where(arg, res, in->iw, in->work, 0);
+        table_rows(in);
+    }
+    res[0] = result;
+    f(arg, res, in->iw, in->work, 0);
+}
+
+/* Evaluate *f* at a state; *result* must not overlap *x*, since generated code writes before it has read everything. */
+static void evaluate(Instance *in, Equation *f, double t, double h, const double *x, double *result)
+{
+    call(in, f, t, h, x, in->crossed, NULL, result);
+}
+
+static Status check_finite(Instance *in, const double *values, int first_slot, int n, double t, const char *what)
+{
+    int i;
+    char value[32], time[32];
+    for (i = 0; i < n; i++)
+        if (!(values[i] - values[i] == 0))
+            return report(in, STATUS_ERROR, "%s %s is %s at t = %s s", what, model.labels[first_slot + i],
+                          number(value, sizeof value, values[i]), number(time, sizeof time, t));
+    return STATUS_OK;
+}
+
+static void refresh_outputs(Instance *in)
+{
+    if (!in->outputs_valid && model.n_y > 0)
+        evaluate(in, model.out, in->slot[0], 0.0, in->slot + model.x, in->slot + model.y);
+    in->outputs_valid = 1;
+}
+
+static void refresh_derivatives(Instance *in)
+{
+    if (!in->derivatives_valid && model.ode)
+        evaluate(in, model.ode, in->slot[0], 0.0, in->slot + model.x, in->slot + model.dx);
+    in->derivatives_valid = 1;
+}
+
+/* Derivatives of the states' derivatives and of the outputs along in->seed (states, then inputs). */
+static void tangent(Instance *in)
+{
+    call(in, model.jvp, in->slot[0], 0.0, in->slot + model.x, in->seed, in->seed + model.n_x, in->tangent);
+}

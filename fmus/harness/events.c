@@ -1,0 +1,63 @@
+/* Events: an indicator changes its sign, zero counting as positive. */
+
+static void signs(Instance *in, double t, const double *x, signed char *found)
+{
+    int i;
+    if (!model.n_g)
+        return;
+    evaluate(in, model.zero, t, 0.0, x, in->indicator);
+    for (i = 0; i < model.n_g; i++)
+        found[i] = in->indicator[i] >= 0 ? 1 : -1;
+}
+
+static int changed(const Instance *in)
+{
+    return memcmp(in->before, in->after, (size_t)model.n_g) != 0;
+}
+
+/* Whether a sign changed in the step of length h just taken from t; if so, *at is how far into the step the first
+ * change is complete, located on the dense output to 1e-13 s.  Bisection: an event is rare, and this cannot fail. */
+static int event_between(Instance *in, double t, double h, double *at)
+{
+    double low = 0, high = h, width = 4 * DBL_EPSILON * (fabs(t) + h);
+    if (!model.n_g)
+        return 0;
+    signs(in, t + h, in->trial, in->after);
+    if (!changed(in))
+        return 0;
+    if (width < 1e-13)
+        width = 1e-13;
+    prepare_dense(in, h, in->slot + model.x);
+    while (high - low > width) {
+        double middle = low + 0.5 * (high - low);
+        dense_state(in, middle / h, in->probe);
+        signs(in, t + middle, in->probe, in->after);
+        if (changed(in))
+            high = middle;
+        else
+            low = middle;
+    }
+    *at = high;
+    return 1;
+}
+
+/* The states are just past an event at t: note who crossed which way and let the component change its states. */
+static Status jump(Instance *in, double t, int *event, int *announced)
+{
+    double *x = in->slot + model.x;
+    int i;
+    signs(in, t, x, in->after);
+    *event = *announced = 0;
+    for (i = 0; i < model.n_g; i++) {
+        in->crossed[i] = (in->after[i] - in->before[i]) / 2;
+        if (in->crossed[i] != 0) {
+            *event = i;
+            *announced |= model.announced[i];
+        }
+    }
+    if (!model.jump)
+        return STATUS_OK;
+    evaluate(in, model.jump, t, 0.0, x, in->trial);
+    memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
+    return check_finite(in, x, model.x, model.n_x, t, "state");
+}

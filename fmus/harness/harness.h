@@ -1,0 +1,137 @@
+/* What the files of the harness share: the description of a component (generated), an instance of it, and the calls
+ * between the files.  Everything is static: all.c makes one translation unit of it, so that only the functions of the
+ * standard are visible whatever flags a foreign build uses, and two FMUs linked into one program do not collide.
+ */
+#ifndef HARNESS_H
+#define HARNESS_H
+
+#include <float.h>
+#include <locale.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An equation in the form CasADi generates: arg is t, h, x, u, p, w and up to two more. */
+typedef int Equation(const double **arg, double **res, long long *iw, double *w, int mem);
+
+typedef struct {
+    const char *name;
+    int keys;          /* how many rows are looked up at once */
+    int columns;
+    const char *start; /* its text, rows separated by ';' */
+} TableLayout;
+
+/* Values live in one row of slots: time | parameters | inputs | states | outputs | derivatives of the states.
+ * A value reference is a slot; those of the tables follow behind the last one. */
+typedef struct {
+    const char *identifier, *token;
+    int p, u, x, y, dx, end;     /* first slot of each kind, and one behind the last */
+    int n_p, n_u, n_x, n_y, n_g; /* how many parameters, inputs, states, outputs, event indicators */
+    int n_w, n_keys, n_tables;   /* numbers looked up, keys they are looked up by, tables */
+    int period;                  /* slot of the sample period, or -1 */
+    const double *start;         /* of parameters, inputs and states */
+    const double *nominal;       /* of the states */
+    const char *const *labels;   /* one per slot */
+    const unsigned *extent;      /* scalars of the variable that begins in a slot, 0 inside one */
+    const char *const *events;   /* names of the indicators */
+    const unsigned char *announced; /* per indicator: does a step return early there */
+    const TableLayout *tables;
+    Equation *ode, *out, *sync, *flow, *zero, *jump, *where, *jvp; /* NULL where there is none */
+    int n_iw, n_work;            /* work space of the equations */
+} Model;
+
+typedef struct {
+    char *text;
+    double *rows;
+    int n_rows;
+} Table;
+
+typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
+
+typedef enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT_MODE = 4, STEP_MODE = 8, TERMINATED = 16, FAILED = 32 } Mode;
+#define ANY_MODE (INSTANTIATED | INITIALIZATION | EVENT_MODE | STEP_MODE | TERMINATED)
+
+static const double TICKS = 1e9; /* per second: time is a whole number of nanoseconds where it can be */
+
+typedef struct Instance Instance;
+struct Instance {
+    double *slot;          /* values; slot[0] is the time */
+    Table *tables;
+    uint64_t tables_hash;
+    Mode mode;
+    int outputs_valid, derivatives_valid;
+    double tolerance;      /* relative; absolute is this times the state's nominal value */
+    double h_next;         /* step size the integrator would try next, 0 before its first step */
+
+    /* work space, allocated once */
+    double *memory;        /* the block the pointers below share */
+    double *rows, *keys;   /* looked-up rows of the tables, and the keys */
+    int *hint;             /* per key: where its row was last found */
+    double *k[7], *trial, *dense[5], *probe; /* stages, trial state, dense output: coefficients and a state on it */
+    double *indicator, *crossed, *seed, *tangent, *work;
+    signed char *before, *after;     /* signs of the indicators */
+    long long *iw;
+
+    int early_return, event_mode;
+    int continuing;        /* the last step ended early and no input was set since: the next one is its rest */
+    char *name;
+    void *environment;
+    void (*send)(Instance *in, Status status, const char *message);
+    union { void (*fmi3)(void); const void *fmi2; } callback;
+    char message[512];
+};
+
+/* How a step ended. */
+typedef struct {
+    double reached;
+    int early;
+} Ending;
+
+/* messages.c */
+static Status report(Instance *in, Status status, const char *format, ...);
+static const char *number(char *buffer, size_t size, double value);
+
+/* table.c */
+static Status table_set(Instance *in, int table, const char *text);
+static void table_rows(Instance *in);
+
+/* evaluate.c */
+static void evaluate(Instance *in, Equation *f, double t, double h, const double *x, double *result);
+static Status check_finite(Instance *in, const double *values, int first_slot, int n, double t, const char *what);
+static void refresh_outputs(Instance *in);
+static void refresh_derivatives(Instance *in);
+static void tangent(Instance *in);
+
+/* integrate.c */
+static void prepare_dense(Instance *in, double h, const double *x);
+static void dense_state(const Instance *in, double at, double *x);
+static Status integrate(Instance *in, double t, double stop, Ending *ending);
+
+/* events.c */
+static void signs(Instance *in, double t, const double *x, signed char *found);
+static int event_between(Instance *in, double t, double h, double *at);
+static Status jump(Instance *in, double t, int *event, int *announced);
+
+/* step.c */
+static Status step(Instance *in, double from, double to, Ending *ending);
+
+/* snapshot.c */
+static size_t snapshot_size(void);
+static void snapshot_write(const Instance *in, unsigned char *bytes);
+static Status snapshot_read(Instance *in, const unsigned char *bytes, size_t size);
+
+/* instance.c */
+static Instance *instance_new(const char *name);
+static void instance_free(Instance *in);
+static Status instance_reset(Instance *in);
+static Status instance_start(Instance *in, double time, int tolerance_defined, double tolerance);
+static Status allowed(Instance *in, int modes, const char *function);
+static const double *slot_read(Instance *in, unsigned reference, unsigned n);
+static Status slot_write(Instance *in, unsigned reference, unsigned n, const double *values);
+static Status derivative_along(Instance *in, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
+                               size_t n_knowns, const double *seed, size_t n_seed, double *result, size_t n_result);
+
+#endif

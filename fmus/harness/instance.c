@@ -1,0 +1,153 @@
+/* Life of an instance: memory, start values, initialisation, reading and writing slots. */
+
+static double *reserve(double **next, int n)
+{
+    double *here = *next;
+    *next += n;
+    return here;
+}
+
+/* Cut one block of memory into the arrays of an instance. */
+static void lay_out(Instance *in)
+{
+    double *next = in->memory;
+    int i;
+    in->slot = reserve(&next, model.end);
+    in->rows = reserve(&next, model.n_w);
+    in->keys = reserve(&next, model.n_keys);
+    for (i = 0; i < 7; i++)
+        in->k[i] = reserve(&next, model.n_x);
+    for (i = 0; i < 5; i++)
+        in->dense[i] = reserve(&next, model.n_x);
+    in->trial = reserve(&next, model.n_x);
+    in->probe = reserve(&next, model.n_x);
+    in->indicator = reserve(&next, model.n_g);
+    in->crossed = reserve(&next, model.n_g);
+    in->seed = reserve(&next, model.n_x + model.n_u);
+    in->tangent = reserve(&next, model.n_x + model.n_y);
+    in->work = reserve(&next, model.n_work);
+}
+
+/* ... and how much that takes: at least one, so that calloc does not answer NULL. */
+static size_t doubles_needed(void)
+{
+    return (size_t)(model.end + model.n_w + model.n_keys + 16 * model.n_x + 2 * model.n_g + model.n_u + model.n_y + model.n_work + 1);
+}
+
+static Instance *instance_new(const char *name)
+{
+    Instance *in = calloc(1, sizeof *in);
+    if (!in)
+        return NULL;
+    in->memory = calloc(doubles_needed(), sizeof *in->memory);
+    in->tables = calloc((size_t)model.n_tables + 1, sizeof *in->tables);
+    in->hint = calloc((size_t)model.n_keys + 1, sizeof *in->hint);
+    in->before = calloc((size_t)model.n_g + 1, 1);
+    in->after = calloc((size_t)model.n_g + 1, 1);
+    in->iw = calloc((size_t)model.n_iw + 1, sizeof *in->iw);
+    in->name = malloc(strlen(name) + 1);
+    if (!in->memory || !in->tables || !in->hint || !in->before || !in->after || !in->iw || !in->name) {
+        instance_free(in);
+        return NULL;
+    }
+    strcpy(in->name, name);
+    lay_out(in);
+    return in;
+}
+
+static void instance_free(Instance *in)
+{
+    int i;
+    if (!in)
+        return;
+    for (i = 0; in->tables && i < model.n_tables; i++) {
+        free(in->tables[i].text);
+        free(in->tables[i].rows);
+    }
+    free(in->memory);
+    free(in->tables);
+    free(in->hint);
+    free(in->before);
+    free(in->after);
+    free(in->iw);
+    free(in->name);
+    free(in);
+}
+
+/* Back to the start values. */
+static Status instance_reset(Instance *in)
+{
+    int i;
+    in->slot[0] = 0;
+    memcpy(in->slot + 1, model.start, sizeof(double) * (size_t)(model.n_p + model.n_u + model.n_x));
+    in->tolerance = 1e-8;
+    in->h_next = 0;
+    in->continuing = 0;
+    in->outputs_valid = in->derivatives_valid = 0;
+    in->mode = INSTANTIATED;
+    for (i = 0; i < model.n_tables; i++)
+        if (table_set(in, i, model.tables[i].start) != STATUS_OK)
+            return STATUS_ERROR;
+    return STATUS_OK;
+}
+
+static Status instance_start(Instance *in, double time, int tolerance_defined, double tolerance)
+{
+    char value[32];
+    if (tolerance_defined && !(tolerance > 0 && tolerance < 1))
+        return report(in, STATUS_ERROR, "the tolerance is %s, but must be between 0 and 1", number(value, sizeof value, tolerance));
+    if (tolerance_defined)
+        in->tolerance = tolerance;
+    in->slot[0] = snapped(time);
+    in->outputs_valid = in->derivatives_valid = 0;
+    return STATUS_OK;
+}
+
+static const char *mode_name(Mode mode)
+{
+    switch (mode) {
+    case INSTANTIATED: return "is not initialised";
+    case INITIALIZATION: return "is in initialisation mode";
+    case EVENT_MODE: return "is in event mode";
+    case STEP_MODE: return "is in step mode";
+    case TERMINATED: return "was terminated";
+    default: return "has failed";
+    }
+}
+
+static Status allowed(Instance *in, int modes, const char *function)
+{
+    if (in->mode & modes)
+        return STATUS_OK;
+    return report(in, STATUS_ERROR, "%s was called while the component %s, where it is not allowed", function, mode_name(in->mode));
+}
+
+/* Where n values of a variable are, computed first if they have to be; NULL after reporting an unknown reference. */
+static const double *slot_read(Instance *in, unsigned reference, unsigned n)
+{
+    if (reference >= (unsigned)model.end || n > (unsigned)model.end - reference || n == 0) {
+        report(in, STATUS_ERROR, "no Float64 variable has the value reference %u", reference);
+        return NULL;
+    }
+    if (reference >= (unsigned)model.dx)
+        refresh_derivatives(in);
+    else if (reference >= (unsigned)model.y)
+        refresh_outputs(in);
+    return in->slot + reference;
+}
+
+static Status slot_write(Instance *in, unsigned reference, unsigned n, const double *values)
+{
+    int input = reference >= (unsigned)model.u && reference < (unsigned)model.x;
+    char time[32];
+    if (reference == 0 || reference >= (unsigned)model.y || n > (unsigned)model.y - reference || n == 0)
+        return report(in, STATUS_ERROR, reference && reference < (unsigned)model.end ? "%s cannot be set: it is computed" : "the variable %s cannot be set",
+                      reference < (unsigned)model.end ? model.labels[reference] : "with an unknown value reference");
+    if (!input && !(in->mode & (INSTANTIATED | INITIALIZATION)))
+        return report(in, STATUS_ERROR, "%s cannot be set at t = %s s: it is fixed once the initialisation has ended", model.labels[reference],
+                      number(time, sizeof time, in->slot[0]));
+    memcpy(in->slot + reference, values, sizeof *values * n);
+    in->continuing = 0;
+    in->outputs_valid = in->derivatives_valid = 0;
+    return STATUS_OK;
+}

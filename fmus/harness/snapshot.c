@@ -1,0 +1,61 @@
+/* Everything the future depends on, as bytes: the same bytes give the same bits, in this instance or another one of the
+ * same FMU with the same tables.  Outputs are computed again from them. */
+
+typedef struct {
+    uint64_t token, tables; /* whose snapshot it is */
+    double h_next, tolerance;
+    int64_t mode, continuing;
+} Head;
+
+static uint64_t hash_token(void)
+{
+    uint64_t hash = 14695981039346656037u;
+    const char *c;
+    for (c = model.token; *c; c++)
+        hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+    return hash;
+}
+
+/* time, parameters, inputs and states are the first slots */
+static size_t n_saved(void)
+{
+    return (size_t)model.y;
+}
+
+static size_t snapshot_size(void)
+{
+    return sizeof(Head) + sizeof(double) * n_saved();
+}
+
+static void snapshot_write(const Instance *in, unsigned char *bytes)
+{
+    Head head;
+    head.token = hash_token();
+    head.tables = in->tables_hash;
+    head.h_next = in->h_next;
+    head.tolerance = in->tolerance;
+    head.mode = in->mode;
+    head.continuing = in->continuing;
+    memcpy(bytes, &head, sizeof head);
+    memcpy(bytes + sizeof head, in->slot, sizeof(double) * n_saved());
+}
+
+static Status snapshot_read(Instance *in, const unsigned char *bytes, size_t size)
+{
+    Head head;
+    if (size != snapshot_size())
+        return report(in, STATUS_ERROR, "a state of %lu bytes was given, but those of this FMU have %lu", (unsigned long)size,
+                      (unsigned long)snapshot_size());
+    memcpy(&head, bytes, sizeof head);
+    if (head.token != hash_token())
+        return report(in, STATUS_ERROR, "a state was given that another FMU wrote");
+    if (head.tables != in->tables_hash)
+        return report(in, STATUS_ERROR, "a state was given that was saved with other tables than this instance has");
+    in->h_next = head.h_next;
+    in->tolerance = head.tolerance;
+    in->mode = (Mode)head.mode;
+    in->continuing = (int)head.continuing;
+    memcpy(in->slot, bytes + sizeof head, sizeof(double) * n_saved());
+    in->outputs_valid = in->derivatives_valid = 0;
+    return STATUS_OK;
+}

@@ -1,0 +1,188 @@
+"""A loaded FMU as an instance the master can step.
+
+Moving all Float64 inputs and outputs is one call into the FMU each, with pointers prepared once.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from abc import abstractmethod
+from collections.abc import Callable
+from ctypes import c_uint32, c_void_p
+from typing import Any, NoReturn
+
+import numpy as np
+
+from cosim import Instance, StepError, Variable, WiringError
+from cosim.clock import NS
+
+from .binding import FATAL, WARNING, Library, Log, register, unregister
+from .declared import References
+from .importer import Archive, library
+
+
+class FmuInstance(Instance):
+    """One instance of an FMU; ``fmi2.Fmu2`` and ``fmi3.Fmu3`` speak the two versions of the standard."""
+
+    def __init__(self, archive: Archive, name: str) -> None:
+        super().__init__(name or archive.model, archive.variables)
+        self.archive, self.can = archive, archive.can
+        self.log = Log()
+        self.time = 0.0
+        self._initialized = self._started = False
+        self._environment = register(self.log)
+        self._library: Library | None = Library(library(archive), self.prototypes())
+        self._functions: dict[str, Callable[..., Any]] = {}
+        self._do_step: Callable[..., int]
+        self._c: int | None = None
+        try:
+            self._c = self._instantiate()
+        finally:
+            if self._c is None:
+                self._release()
+        self._push = self._transfer(self.inputs, self.u)
+        self._pull = self._transfer(self.outputs, self.y)
+        self._set_float, self._get_float = self._float_functions()
+
+    # what the two versions differ in
+
+    @staticmethod
+    @abstractmethod
+    def prototypes() -> dict[str, tuple[Any, ...]]:
+        """Return the argument types of the C functions used."""
+
+    @abstractmethod
+    def _instantiate(self) -> int: ...
+
+    @abstractmethod
+    def _float_functions(self) -> tuple[Callable[..., int], Callable[..., int]]: ...
+
+    @abstractmethod
+    def _transfer_arguments(self, references: Any, n: int, values: Any, n_values: int) -> tuple[Any, ...]: ...
+
+    @abstractmethod
+    def _write(self, references: References, variable: Variable, value: Any) -> None: ...
+
+    @abstractmethod
+    def _read(self, references: References, variable: Variable) -> Any: ...
+
+    # calling C
+
+    def _function(self, name: str, result: Any = ctypes.c_int) -> Callable[..., Any]:
+        if self._library is None:
+            self._closed()
+        if name not in self._functions:
+            self._functions[name] = self._library.function(name, result)
+        return self._functions[name]
+
+    def _call(self, name: str, *arguments: Any) -> None:
+        status = self._function(name)(self._c, *arguments)
+        if status > WARNING:
+            self._fail(name, status)
+
+    def _fail(self, what: str, status: int) -> NoReturn:
+        if status == FATAL:
+            self._c = None  # the standard forbids every further call, freeing included
+        raise StepError(self.name, self.time, self.log.reason(what, status))
+
+    def _transfer(self, variables: tuple[Variable, ...], values: np.ndarray) -> tuple[Any, ...]:
+        references = [r for v in variables for r in self.archive.references[v.name].values]
+        if not references:
+            return ()
+        self._keep = [*getattr(self, "_keep", ()), array := (c_uint32 * len(references))(*references)]
+        return self._transfer_arguments(array, len(references), c_void_p(values.ctypes.data), values.size)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings the FMU has sent."""
+        return list(self.log.warnings)
+
+    # values
+
+    def set(self, name: str, value: Any) -> None:
+        """Set one variable of any type; raises WiringError for a wrong shape, StepError if the FMU refuses."""
+        variable = self.variable(name)
+        if variable.type not in ("String", "Binary") and np.shape(value) not in (variable.shape, ()):
+            raise WiringError(
+                f"{self.name}.{name} has shape {list(variable.shape)}, but was given {list(np.shape(value))}"
+            )
+        self._write(self.archive.references[name], variable, value)
+        if name in self.u_at:
+            self.u[self.u_at[name]] = np.ravel(np.broadcast_to(value, variable.shape))
+
+    def get(self, name: str) -> Any:
+        """Return one variable of any type; arrays have their shape."""
+        return (
+            self._read(self.archive.references[name], self.variable(name))
+            if name in self.variables
+            else self.variable(name)
+        )
+
+    def push(self) -> None:
+        """Hand the buffer ``u`` to the FMU."""
+        if self._push:
+            status = self._set_float(*self._push)
+            if status > WARNING:
+                self._fail("setting the inputs", status)
+
+    def pull(self) -> None:
+        """Fill the buffer ``y`` from the FMU."""
+        if self._pull:
+            status = self._get_float(*self._pull)
+            if status > WARNING:
+                self._fail("getting the outputs", status)
+
+    # derivatives
+
+    def directional_derivative(self, unknowns: list[str], knowns: list[str], seed: np.ndarray) -> np.ndarray:
+        """Return d(unknowns)/d(knowns) times *seed*, both flattened; the states are held."""
+        if not self.can.directional_derivatives:
+            raise WiringError(f"{self.name} does not provide directional derivatives")
+        u, k = ([r for n in names for r in self._references_of(n)] for names in (unknowns, knowns))
+        result = np.zeros(sum(self.variable(n).size for n in unknowns))
+        flat = np.ascontiguousarray(seed, dtype=float).ravel()
+        if flat.size != sum(self.variable(n).size for n in knowns):
+            raise WiringError(f"{self.name} was given a seed of {flat.size} numbers for {', '.join(knowns)}")
+        self._derive((c_uint32 * len(u))(*u), len(u), (c_uint32 * len(k))(*k), len(k), flat, result)
+        return result
+
+    def _references_of(self, name: str) -> tuple[int, ...]:
+        self.variable(name)
+        return self.archive.references[name].values
+
+    @abstractmethod
+    def _derive(self, u: Any, n_u: int, k: Any, n_k: int, seed: np.ndarray, result: np.ndarray) -> None: ...
+
+    # life
+
+    def close(self) -> None:
+        """Terminate and free the instance and unload its library; a second time nothing happens."""
+        if self._c is not None and self._library is not None:
+            self._end()
+        self._c = None
+        self._release()
+
+    @abstractmethod
+    def _end(self) -> None: ...
+
+    def _release(self) -> None:
+        unregister(self._environment)
+        self._functions = {}
+        self._push = self._pull = (None,)
+        self._set_float = self._get_float = self._do_step = self._closed
+        if self._library is not None:
+            self._library.close()
+            self._library = None
+
+    def _closed(self, *_: Any) -> NoReturn:
+        raise WiringError(f"{self.name} was closed and cannot be used any more")
+
+    def __del__(self) -> None:
+        if getattr(self, "_library", None) is not None and not sys.is_finalizing():
+            self.close()
+
+
+def seconds_between(start: int, end: int) -> float:
+    """Length of a step in seconds, from ticks."""
+    return end / NS - start / NS
