@@ -8,6 +8,7 @@ import shutil
 import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -126,7 +127,7 @@ def _unpacked(path: Path) -> Path:
                 raise ExportError(f"{path} is not an FMU: there is no modelDescription.xml in it")
             archive.extractall(work)
         os.rename(work, folder)  # atomic; who unpacks the same at the same time may have been first
-    except (zipfile.BadZipFile, EOFError, OSError, ValueError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, NotImplementedError) as error:
         if not folder.is_dir():
             raise ExportError(f"{path} is not an FMU: it cannot be unpacked ({error})") from None
     finally:

@@ -31,8 +31,8 @@ class FmuInstance(Instance):
         self.log = Log()
         self.time = 0.0
         self._initialized = self._started = False
-        self._environment = register(self.log)
         self._library: Library | None = Library(library(archive), self.prototypes())
+        self._environment = register(self.log)
         self._functions: dict[str, Callable[..., Any]] = {}
         self._do_step: Callable[..., int]
         self._c: int | None = None
@@ -82,15 +82,17 @@ class FmuInstance(Instance):
             self._fail(name, status)
 
     def _fail(self, what: str, status: int) -> NoReturn:
-        if status == FATAL:
-            self._c = None  # the standard forbids every further call, freeing included
-        raise StepError(self.name, self.time, self.log.reason(what, status))
+        reason = self.log.reason(what, status)
+        if status == FATAL:  # the standard forbids every further call, even to free it, and the library stays
+            self._c = self._library = None
+            self._end_of_use("failed fatally")
+        raise StepError(self.name, self.time, reason)
 
     def _transfer(self, variables: tuple[Variable, ...], values: np.ndarray) -> tuple[Any, ...]:
         references = [r for v in variables for r in self.archive.references[v.name].values]
         if not references:
             return ()
-        self._keep = [*getattr(self, "_keep", ()), array := (c_uint32 * len(references))(*references)]
+        array = (c_uint32 * len(references))(*references)
         return self._transfer_arguments(array, len(references), c_void_p(values.ctypes.data), values.size)
 
     @property
@@ -113,11 +115,8 @@ class FmuInstance(Instance):
 
     def get(self, name: str) -> Any:
         """Return one variable of any type; arrays have their shape."""
-        return (
-            self._read(self.archive.references[name], self.variable(name))
-            if name in self.variables
-            else self.variable(name)
-        )
+        variable = self.variable(name)
+        return self._read(self.archive.references[name], variable)
 
     def push(self) -> None:
         """Hand the buffer ``u`` to the FMU."""
@@ -167,16 +166,20 @@ class FmuInstance(Instance):
     def _end(self) -> None: ...
 
     def _release(self) -> None:
-        unregister(self._environment)
-        self._functions = {}
-        self._push = self._pull = (None,)
-        self._set_float = self._get_float = self._do_step = self._closed
+        self._end_of_use("was closed")
         if self._library is not None:
             self._library.close()
             self._library = None
 
+    def _end_of_use(self, why: str) -> None:
+        unregister(self._environment)
+        self._why = why
+        self._functions = {}
+        self._push = self._pull = (None,)
+        self._set_float = self._get_float = self._do_step = self._closed
+
     def _closed(self, *_: Any) -> NoReturn:
-        raise WiringError(f"{self.name} was closed and cannot be used any more")
+        raise WiringError(f"{self.name} {self._why} and cannot be used any more")
 
     def __del__(self) -> None:
         if getattr(self, "_library", None) is not None and not sys.is_finalizing():

@@ -24,8 +24,8 @@ from cosim import Component, input, output, parameter, state, structural
 class ChassisModal(Component):
     """Elastic modes of the chassis, driven by the vertical forces at its four wheel nodes.
 
-    Elastic motion only: the six rigid modes are the rigid body's.  Wheels in the order front-left, front-right, rear-left,
-    rear-right; stations as numbered in the modal data.  Accelerations depend on how many modes are kept: state it.
+    Elastic motion only: the six rigid modes are the rigid body's.  Wheels in the order front-left, front-right,
+    rear-left, rear-right; stations as numbered in the modal data.  Accelerations depend on how many modes are kept.
     """
 
     modes = structural(25, "number of elastic modes")
@@ -33,15 +33,21 @@ class ChassisModal(Component):
 
     frequency = parameter(25.0, "Hz", "undamped natural frequencies", shape="modes")
     damping = parameter(5e-5, "1", "damping ratios zeta, below 1", shape="modes")
-    wheel_shape = parameter(0.0, "1", "vertical mode shapes at the wheel nodes, mass-normalised (kg^-1/2)", shape=(4, "modes"))
-    station_shape = parameter(0.0, "1", "vertical mode shapes at the stations, mass-normalised (kg^-1/2)", shape=("stations", "modes"))
+    wheel_shape = parameter(
+        0.0, "1", "vertical mode shapes at the wheel nodes, mass-normalised (kg^-1/2)", shape=(4, "modes")
+    )
+    station_shape = parameter(
+        0.0, "1", "vertical mode shapes at the stations, mass-normalised (kg^-1/2)", shape=("stations", "modes")
+    )
 
     wheel_force = input("N", "vertical force of each wheel on the chassis, upwards", shape=4)
 
     modal_q = state(0.0, "m", "modal coordinates (m kg^1/2)", shape="modes", nominal=1e-3)
     modal_rate = state(0.0, "m/s", "their time derivatives (m kg^1/2 / s)", shape="modes", nominal=1e-2)
 
-    acceleration = output("m/s2", "elastic acceleration at the stations, upwards, right after the input", shape="stations")
+    acceleration = output(
+        "m/s2", "elastic acceleration at the stations, upwards, right after the input", shape="stations"
+    )
     modal_displacement = output("m", "modal coordinates (m kg^1/2)", shape="modes")
     strain_energy = output("J", "energy stored in the elastic modes")
     elastic_kinetic_energy = output("J", "kinetic energy of the elastic modes")

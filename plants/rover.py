@@ -10,6 +10,7 @@ body on the wheels' mean forces over [t_n, t_n + h], the chassis on the wheel fo
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +21,6 @@ from cosim import Component, CouplingError
 from cosim.instance import Instance
 
 from .chassis_modal import static_deflection
-from .tables import G
 
 ORDER = ("controller", "wheels", "body", "chassis")
 
@@ -35,8 +35,8 @@ CONTROLLER_WIRES = {
     "controller.normal_force": "wheels.normal_force_end",
 }
 
-# Stands in for the stiffness of a rigid contact when the start is solved: 1e13 N/m leaves 4e-11 m of penetration under a
-# quarter of 170 kg, which the contact law turns into less than 1e-6 m/s at a macro step of 1e-4 s.
+# Stands in for the stiffness of a rigid contact when the start is solved: 1e13 N/m leaves 4e-11 m of penetration under
+# a quarter of 170 kg, which the contact law turns into less than 1e-6 m/s at a macro step of 1e-4 s.
 _RIGID = 1e13
 
 
@@ -61,17 +61,17 @@ def quaternion(pitch: float, roll: float) -> np.ndarray:
 
 
 def stand(body: Component, wheels: Component, stance: Stance) -> dict[str, np.ndarray]:
-    """Solve for the static equilibrium of height, pitch and roll on the wheel springs at ``stance.x``.
+    """Solve for the static equilibrium of height, pitch and roll on the wheel springs.
 
     Returns the start values ``body.r``, ``body.q``, ``body.v``, ``wheels.z`` (m, compression negative) and
-    ``normal_force`` (4,) in N.  On a slope only the vertical force and the two moments vanish: nothing brakes the robot.
+    ``normal_force`` (4,) in N.  On a slope only the vertical force and two moments vanish: nothing brakes the robot.
     Raises CouplingError if no equilibrium is found, for instance with a wheel over a gap.
     """
     k = wheels.values["k_w"] if "k_w" in wheels.values else np.full(4, _RIGID)
-    m, h, R = float(body.m), float(body.h), float(body.R)
+    m, h, R, g = (float(body.values[n]) for n in ("m", "h", "R", "g"))
     instance = body.instance("body")
     instance.enter_initialization(0)
-    sag = m * G / np.sum(k)
+    sag = m * g / np.sum(k)
 
     def place(unknowns: np.ndarray) -> np.ndarray:
         z, pitch, roll = unknowns
@@ -88,7 +88,7 @@ def stand(body: Component, wheels: Component, stance: Stance) -> dict[str, np.nd
     if np.max(np.abs(residual)) > 1e-6 * max(1.0, np.max(k) / _RIGID * 1e4):
         raise CouplingError(
             f"the rover finds no static equilibrium at x = {stance.x:g} m: {residual[0]:.2g} m/s2 and "
-            f"{residual[2]:.2g} rad/s2 are left; start it where all four wheels meet the ground, such as on a flat stretch"
+            f"{residual[2]:.2g} rad/s2 are left; start it where all four wheels meet the ground, as on a flat stretch"
         )
     gap = instance.get("gap")
     return {
@@ -99,11 +99,12 @@ def stand(body: Component, wheels: Component, stance: Stance) -> dict[str, np.nd
 
 def _polish(residual: Any, x: np.ndarray, sag: float) -> np.ndarray:
     """Newton with a difference quotient, until rounding: a standing robot must not drift for seconds."""
-    steps = np.array([sag, sag, sag]) * 1e-3
+    step = 1e-3 * sag
     for _ in range(6):
         f = residual(x)
-        jacobian = np.column_stack([(residual(x + d) - residual(x - d)) / (2 * s) for s, d in zip(steps, np.diag(steps), strict=True)])  # fmt: skip
-        if not np.linalg.matrix_rank(jacobian) == 3:
+        columns = [(residual(x + d) - residual(x - d)) / (2 * step) for d in step * np.eye(3)]
+        jacobian = np.column_stack(columns)
+        if np.linalg.matrix_rank(jacobian) < 3:
             break
         trial = x - np.linalg.solve(jacobian, f)
         if not np.max(np.abs(residual(trial))) < np.max(np.abs(f)):
@@ -113,7 +114,7 @@ def _polish(residual: Any, x: np.ndarray, sag: float) -> np.ndarray:
 
 
 def start_values(components: dict[str, Component], stance: Stance) -> dict[str, np.ndarray]:
-    """Return every start value of a standing or rolling rover, as ``slot.state``: body, wheels and static chassis modes."""
+    """Return every start value of a standing or rolling rover as ``slot.state``, static chassis modes included."""
     body, wheels = components["body"], components["wheels"]
     found = stand(body, wheels, stance)
     forces = found.pop("normal_force")
@@ -126,7 +127,7 @@ def start_values(components: dict[str, Component], stance: Stance) -> dict[str, 
     return found
 
 
-def apply(starts: dict[str, np.ndarray], instances: dict[str, Instance]) -> None:
+def apply(starts: Mapping[str, np.ndarray], instances: Mapping[str, Instance]) -> None:
     """Set start values on the instances they belong to; a slot filled by a foreign FMU keeps its own."""
     for target, value in starts.items():
         slot, _, variable = target.partition(".")

@@ -1,8 +1,8 @@
 """Robots of the thesis and its papers, each named after the table that gives its dimensions.
 
 Only the planar quantities are printed (L_f, L_r, h, R, I_y, m).  What a 3-D robot needs besides is our assumption, the
-same for every table: ``half_track`` 0.29 m (half the platform width of Table 8.1), ``I_x`` = 20 and ``I_z`` = 55 kg.m2 (a
-box of the platform's size with the given I_y).  Further assumptions stand where they are made.
+same for every table: ``half_track`` 0.29 m (half the platform width of Table 8.1), ``I_x`` = 20 and ``I_z`` = 55 kg.m2
+(a box of the platform's size with the given I_y).  Further assumptions stand where they are made.
 """
 
 from __future__ import annotations

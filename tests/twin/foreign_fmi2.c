@@ -1,6 +1,6 @@
 /* A hand-written FMI 2.0 FMU that keeps what it is given, and whose steps end as the parameter "script" says:
  * 0 normally, 2 ends the simulation at the middle of the step, 3 warns, 4 fails in silence, 5 fails with a formatted
- * word, 6 discards the step. */
+ * word, 6 discards the step, 7 fatally. */
 #include <stdlib.h>
 #include <string.h>
 #include "fmi2Functions.h"
@@ -69,6 +69,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real at, fmi2Real h, fmi2Boolean no)
     case 4: return fmi2Error;
     case 5: say(t, fmi2Error, "the speed %.3f is too much for me", t->real[1]); return fmi2Error;
     case 6: return fmi2Discard;
+    case 7: return fmi2Fatal;
     default: return fmi2OK;
     }
 }

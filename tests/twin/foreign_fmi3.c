@@ -1,6 +1,6 @@
 /* A hand-written FMI 3.0 FMU that keeps what it is given, and whose steps end as the parameter "script" says:
  * 0 normally, 1 early at the middle, 2 asks to end the simulation, 3 warns, 4 fails in silence, 5 fails with a word,
- * 6 early at once and for ever. */
+ * 6 early at once and for ever, 7 fatally. */
 #include <stdlib.h>
 #include <string.h>
 #include "fmi3Functions.h"
@@ -108,6 +108,7 @@ fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 at, fmi3Float64 h, fmi3Boolean
     case 3: t->log(t->environment, fmi3Warning, "all", "this is a warning"); return fmi3Warning;
     case 4: return fmi3Error;
     case 5: t->log(t->environment, fmi3Error, "all", "the speed is too much for me"); return fmi3Error;
+    case 7: return fmi3Fatal;
     case 6: *early = fmi3True; *reached = at; return fmi3OK;
     default: return fmi3OK;
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from specimens import Specimen
+from specimens import Flow, Mass, Road, Specimen
 
 import fmus
 from cosim import Instance
@@ -50,7 +50,7 @@ def agree(found: Instance, expected: Instance, tolerance: float, scale: float = 
 
 
 def test_outputs_and_derivatives_agree(specimen: Specimen, fmi: int, rng: np.random.Generator) -> None:
-    for trial in range(10):
+    for trial in range(6):
         values = specimen.values(rng)
         twin = prepared(specimen.component.instance(), values, start=trial * NS)
         fmu = prepared(fmus.instantiate(specimen.component, fmi=fmi), values, start=trial * NS)
@@ -63,7 +63,7 @@ def test_outputs_and_derivatives_agree(specimen: Specimen, fmi: int, rng: np.ran
 def test_sync_agrees(specimen: Specimen, fmi: int, rng: np.random.Generator) -> None:
     if specimen.component.equations.sync is None:
         pytest.skip("has no sync")
-    for _ in range(10):
+    for _ in range(6):
         values = specimen.values(rng)
         twin = prepared(specimen.component.instance(), values)
         fmu = prepared(fmus.instantiate(specimen.component, fmi=fmi), values)
@@ -91,9 +91,20 @@ def test_whole_steps_agree(specimen: Specimen, fmi: int, rng: np.random.Generato
     fmu.close()
 
 
-def test_tolerance_of_the_importer_is_used(fmi: int) -> None:
-    from specimens import Mass
+def test_every_row_is_found(fmi: int, rng: np.random.Generator) -> None:
+    """On a key, an ulp beside it, between, before the first and behind the last; forwards, backwards and at random."""
+    keys = np.cumsum(rng.uniform(0.01, 1.0, 40))
+    rows = np.column_stack([keys, np.arange(40.0), np.zeros(40)])
+    asked = np.concatenate([keys, np.nextafter(keys, np.inf), np.nextafter(keys, -np.inf), [keys[0] - 5, keys[-1] + 5]])
+    fmu = fmus.instantiate(Road(offset=0.0, pieces=rows), fmi=fmi)
+    for order in (np.sort(asked), np.sort(asked)[::-1], rng.permutation(asked)):
+        for x in order:
+            fmu.set("x", x)
+            expected = max(np.searchsorted(keys, x, side="right") - 1, 0)
+            assert np.array_equal(fmu.get("height"), [expected, expected]), x
 
+
+def test_tolerance_of_the_importer_is_used(fmi: int) -> None:
     def end(tolerance: float) -> float:
         fmu = fmus.instantiate(Mass(d=0.0), fmi=fmi)
         fmu.set("F", 0.0)
@@ -112,8 +123,6 @@ def test_tolerance_of_the_importer_is_used(fmi: int) -> None:
 
 
 def test_flow_is_exact(fmi: int) -> None:
-    from specimens import Flow
-
     fmu = fmus.instantiate(Flow(w=31.0), fmi=fmi)
     prepared(fmu, {})
     fmu.step(0, NS)

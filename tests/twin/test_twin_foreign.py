@@ -160,6 +160,14 @@ def test_closed_is_closed(thing: FmuInstance) -> None:
             act()
 
 
+def test_after_a_fatal_error_nothing_is_called(thing: FmuInstance) -> None:
+    with pytest.raises(StepError, match="DoStep returned fatal and said nothing"):
+        run(thing, 7)
+    with pytest.raises(WiringError, match="thing failed fatally and cannot be used any more"):
+        thing.pull()
+    thing.close()
+
+
 def test_wrong_values_are_refused(thing: FmuInstance) -> None:
     with pytest.raises(WiringError, match=r"thing.speed has shape \[\], but was given \[2\]"):
         thing.set("speed", [1.0, 2.0])

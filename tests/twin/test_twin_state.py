@@ -8,7 +8,7 @@ from specimens import Ball, Delayed, Road, Specimen
 from test_twin_agreement import prepared
 
 import fmus
-from cosim import Instance, StepError
+from cosim import Component, Instance, StepError, event, output, parameter, state
 from cosim.clock import NS
 
 
@@ -91,6 +91,42 @@ def test_early_return_is_just_past_the_event() -> None:
     assert fmu.get("height") <= 0  # the far side
     assert abs(fmu.get("height")) < 1e-11
     assert fmu.get("speed") == pytest.approx(0.8 * 9.81 * fall, rel=1e-9)
+
+
+class Swing(Component):
+    """x'' = -w^2 x from x = 1 m at rest: through zero at pi/(2 w), upwards again at 3 pi/(2 w)."""
+
+    w = parameter(7.0, "rad/s", "angular frequency")
+    x = state(1.0, "m", "position")
+    v = state(0.0, "m/s", "velocity")
+    zero = event("the position changes its sign", announce=True)
+    y = output("m", "position")
+
+    def derivatives(s):
+        return dict(x=s.v, v=-(s.w**2) * s.x)
+
+    def crossings(s):
+        return dict(zero=s.x)
+
+    def outputs(s):
+        return dict(y=s.x)
+
+
+def test_an_event_on_a_curve_is_located() -> None:
+    """On a path that is no polynomial the event is as good as the dense output, which is as good as the tolerance."""
+    fmu = fmus.instantiate(Swing())
+    fmu.enter_initialization(tolerance=1e-10)
+    fmu.exit_initialization()
+    now, found = 0, []
+    while len(found) < 2:
+        saved = fmu.snapshot()
+        advance = fmu.step(now, NS, early_return=True)
+        fmu.restore(saved)
+        fmu.step(now, advance.reached, early_return=True)
+        now = advance.reached
+        found.append(now / NS)
+    # global error a few times the tolerance, divided by the speed w; then up to the next nanosecond
+    assert found == pytest.approx([np.pi / 14, 3 * np.pi / 14], abs=2e-9)
 
 
 def test_nobody_returns_early_unasked(fmi: int) -> None:
