@@ -21,8 +21,8 @@ from rich.table import Table
 
 from cosim.instance import Instance
 from studies.catalog import find_scenario
-from studies.session import log_observer
 from studies.runner import execute
+from studies.session import log_observer
 
 STEPS, REPEATS = 4000, 5
 
@@ -73,7 +73,8 @@ def main() -> None:
     run, bare = median(m["run"] for m in logged), median(m["run"] for m in plain)
     fmu = median(m["fmu"] for m in plain)
     found = {
-        "macro_steps": STEPS, "seconds": run, "macro_steps_per_second": STEPS / run, "bytes_per_step": logged[0]["bytes"] / STEPS,
+        "macro_steps": STEPS, "seconds": run, "macro_steps_per_second": STEPS / run,
+        "bytes_per_step": logged[0]["bytes"] / STEPS,
         "share_fmu": fmu / run, "share_master_and_memory_record": (bare - fmu) / run, "share_log": (run - bare) / run,
         "times_real_time": STEPS * 1e-4 / run, "times_real_time_without_log": STEPS * 1e-4 / bare,
     }  # fmt: skip

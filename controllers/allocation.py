@@ -1,8 +1,8 @@
 """Bounded least squares, min |A x - b| with |x_i| <= limit_i, exact and without iterating: for laws that run in an FMU.
 
-The minimum lies in one of 3^n cases: every unknown free, at its lower or at its upper limit.  Each case is a small linear
-system; its solution, brought into the limits, is a candidate, and the case of the minimum is its own candidate.  So the
-best candidate is the minimum: nothing has to be tested for feasibility.
+The minimum lies in one of 3^n cases: every unknown free, at its lower or at its upper limit.  Each case is a small
+linear system; its solution, brought into the limits, is a candidate, and the case of the minimum is its own candidate.
+So the best candidate is the minimum: nothing has to be tested for feasibility.
 """
 
 from __future__ import annotations

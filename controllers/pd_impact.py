@@ -25,7 +25,7 @@ FRONT, REAR = (0, 1), (2, 3)
 
 
 class PdImpact(TractionController):
-    """PD impact control: feedback linearisation of the wheel deformations by traction, within friction and motor limits.
+    """PD impact control: feedback linearisation of the wheel deformations, within friction and motor limits.
 
     It acts only while all wheels carry force and the tractions can move both axles independently: the axle form of U is
     singular on the flat and on a full ramp, and has condition 25 with the front wheels on a 0.3 rad ramp.  Otherwise it
@@ -89,7 +89,7 @@ class PdImpact(TractionController):
 
 
 def _axles(M: Any) -> Any:
-    """Return the axle form (2, 2) of a (4, 4): mean of an axle's rows for a force shared equally by an axle's wheels."""
+    """Return the axle form (2, 2) of a (4, 4): mean of an axle's rows for a force its wheels share equally."""
     block = lambda i, j: (M[i[0], j[0]] + M[i[0], j[1]] + M[i[1], j[0]] + M[i[1], j[1]]) / 4  # noqa: E731
     return ca.vertcat(*(ca.horzcat(*(block(i, j) for j in (FRONT, REAR))) for i in (FRONT, REAR)))
 

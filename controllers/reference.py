@@ -16,9 +16,10 @@ class Motion(NamedTuple):
 def planned(t: Any, T: Any, d0: Any, v0: Any, d: Any) -> Motion:
     """Return the reference at time *t* in [0, T] after the impact; NumPy and CasADi alike.
 
-    Starts at d0 (m) with v0 (m/s) and no acceleration or jerk, ends at rest at d.  In real time, so the derivatives carry
-    the factors 1/T that Eq 6.18 leaves out, and with C7 = -10 (2 D - V) / T^7, D = d - d0, V = v0 T, where Eq 6.19 prints
-    the opposite sign of V.  It overshoots d where V is large against D: -32 mm for T = 0.2 s, v0 = -0.6 m/s, d = -20 mm.
+    Starts at d0 (m) with v0 (m/s) and no acceleration or jerk, ends at rest at d.  In real time, so the derivatives
+    carry the factors 1/T that Eq 6.18 leaves out, and with C7 = -10 (2 D - V) / T^7, D = d - d0, V = v0 T, where Eq
+    6.19 prints the opposite sign of V.  It overshoots d where V is large against D: -32 mm for T = 0.2 s, v0 = -0.6
+    m/s, d = -20 mm.
     """
     D, V = d - d0, v0 * T
     C4, C5 = 5 * (7 * D - 4 * V) / T**4, -3 * (28 * D - 15 * V) / T**5

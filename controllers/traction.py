@@ -10,8 +10,9 @@ from cosim import Component, input, output, parameter, state
 class TractionController(Component):
     """Ports of a traction controller: contacts and the reduced model of the body in, a traction demand per wheel out.
 
-    Sampled: inputs are read at the ticks of ``period`` and the outputs held in between.  Wheels in the order front-left,
-    front-right, rear-left, rear-right.  A law writes the states ``demand`` and ``on`` (and more of its own) in ``sync``.
+    Sampled: inputs are read at the ticks of ``period`` and the outputs held in between.  Wheels in the order
+    front-left, front-right, rear-left, rear-right.  A law writes the states ``demand`` and ``on`` (and more of its own)
+    in ``sync``.
     """
 
     period = parameter(1e-3, "s", "sample period")

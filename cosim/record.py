@@ -135,6 +135,10 @@ class Record(Observer):
             return np.array(kept.values)
         return kept.column.rows(kept.at).reshape(-1, *kept.variable.shape)
 
+    def get(self, port: str) -> np.ndarray | None:
+        """Return a port's values over the run, or None if it was not recorded."""
+        return self[port] if port in self._ports else None
+
     def to_xarray(self) -> xarray.Dataset:
         """Return a dataset over ``time`` (s) with units; axes of arrays are called ``PORT.0``, ``PORT.1``, ..."""
         import xarray

@@ -19,7 +19,7 @@ from .errors import ScenarioError, nearest
 
 
 class Slot(BaseModel):
-    """What stands in one slot: a component of the catalog by ``type``, or anybody's FMU by ``fmu``; then its parameters."""
+    """What stands in a slot: a component of the catalog by ``type`` or anybody's FMU by ``fmu``, and its parameters."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
 
@@ -33,7 +33,7 @@ class Slot(BaseModel):
 
 
 class LinkSpec(BaseModel):
-    """A connection with an explicit conversion: ``{source = "a.x", factor = 1e-3}``, or ``convert = true`` by the units."""
+    """A connection with a conversion: ``{source = "a.x", factor = 1e-3}``, or ``convert = true`` by the units."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -98,7 +98,7 @@ def merge(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def parse_override(text: str, slots: Iterable[str]) -> dict[str, Any]:
-    """Turn ``wheels.k_w=2e5`` into the nested table it stands for; a slot's name may be written without ``components.``.
+    """Turn ``wheels.k_w=2e5`` into the nested table it stands for; ``components.`` may be left out before a slot.
 
     The value is read as TOML (``2e5``, ``[1.0, 2.0]``, ``true``); anything else is a string.
     """
@@ -134,7 +134,7 @@ class ScenarioFile:
             raise ScenarioError(f"{path}: variants must be tables, [variants.NAME]")
 
     def load(self, variant: str | None = None, overrides: Iterable[Mapping[str, Any]] = ()) -> Scenario:
-        """Return the scenario of one variant (the base, or the first variant if there are any) with overrides laid over.
+        """Return the scenario of one variant (the first, or the base if there are none) with overrides laid over.
 
         Raises ScenarioError naming file and key for anything missing, misspelt, or of the wrong type.
         """

@@ -63,7 +63,9 @@ def comparison_blueprint(
         overrides = {}
         for i, variant in enumerate(variants):
             names = [f"{variant} {k + 1}" for k in range(widths[entity])]
-            overrides[f"/{variant}/{entity}"] = rr.SeriesLines(names=names, colors=[PALETTE[i % len(PALETTE)]] * len(names))
+            overrides[f"/{variant}/{entity}"] = rr.SeriesLines(
+                names=names, colors=[PALETTE[i % len(PALETTE)]] * len(names)
+            )
         contents = [f"/{v}/{entity}" for v in variants]
         plots.append(rrb.TimeSeriesView(name=title, origin="/", contents=contents, overrides=overrides,
                                         axis_x=rrb.TimeAxis(link="LinkToGlobal"),

@@ -35,7 +35,9 @@ def combine(logs: Mapping[str, Path], out: Path, *, title: str = "", report: str
     extra: list[Any] = []
     for variant in variants[1:]:
         extra += _differences(base, _outputs(logs[variant]), variant)
-    extra.append(Chunk.from_columns("/report", [], rr.TextDocument.columns(text=[report], media_type=["text/markdown"])))
+    extra.append(
+        Chunk.from_columns("/report", [], rr.TextDocument.columns(text=[report], media_type=["text/markdown"]))
+    )
     streams = [_under(path, variant, keep_ground=variant == variants[0]) for variant, path in logs.items()]
     widths = {entity.removeprefix("/"): values.shape[1] for entity, (_, values) in base.items()}
     with TemporaryDirectory(dir=out.parent) as folder:
@@ -53,7 +55,9 @@ def combine(logs: Mapping[str, Path], out: Path, *, title: str = "", report: str
 def run_cli(*arguments: str) -> str:
     """Run Rerun's own command line without its analytics; raises ScenarioError with what it said if it fails."""
     binary = Path(rerun_cli.__file__).parent / "rerun"
-    done = subprocess.run([str(binary), *arguments], capture_output=True, text=True, env={"RERUN_ANALYTICS": "0", "PATH": ""})
+    done = subprocess.run(
+        [str(binary), *arguments], capture_output=True, text=True, env={"RERUN_ANALYTICS": "0", "PATH": ""}
+    )
     if done.returncode:
         raise ScenarioError(f"rerun {arguments[0]} {arguments[1]} failed: {done.stderr.strip().splitlines()[-1:]}")
     return done.stdout

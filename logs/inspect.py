@@ -19,8 +19,8 @@ from .read import Signal, properties, signals, texts
 def describe(path: Path, patterns: list[str] | None = None) -> dict[str, Any]:
     """Return properties, events and statistics of the signals that match any of *patterns* (all, if none are given).
 
-    Keys: ``properties``; ``events`` as (s, text); ``ports``: all names; ``signals``: by port unit, width, rows, min, max,
-    mean and rms over all values.
+    Keys: ``properties``; ``events`` as (s, text); ``ports``: all names; ``signals``: by port unit, width, rows, min,
+    max, mean and rms over all values.
     """
     found = signals(path)
     chosen = {p: s for p, s in found.items() if not patterns or any(fnmatch.fnmatch(p, q) for q in patterns)}

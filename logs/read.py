@@ -59,7 +59,9 @@ def _statics(path: Path, content: str) -> dict[str, dict[str, Any]]:
         for field, column in zip(batch.schema, batch.columns, strict=True):
             if b"rerun:component" in (field.metadata or {}):
                 value = column.to_pylist()[-1]
-                found.setdefault(chunk.entity_path, {})[field.name] = value[0] if value is not None and len(value) == 1 else value
+                found.setdefault(chunk.entity_path, {})[field.name] = (
+                    value[0] if value is not None and len(value) == 1 else value
+                )
     return found
 
 
@@ -82,7 +84,9 @@ def signals(path: Path, content: str = "/**") -> dict[str, Signal]:
         names = facts.get("signal_name", facts.get("SeriesLines:names", []))
         names = [names] if isinstance(names, str) else list(names)
         port = entity.strip("/").removeprefix("plant/").replace("/", ".")
-        found[port] = Signal(port, ns[order], values, names, str(facts.get("signal_unit", "1")), str(facts.get("meaning", "")))
+        found[port] = Signal(
+            port, ns[order], values, names, str(facts.get("signal_unit", "1")), str(facts.get("meaning", ""))
+        )
     return dict(sorted(found.items()))
 
 
@@ -98,7 +102,7 @@ def texts(path: Path, content: str) -> list[tuple[int, str]]:
 
 
 def load(path: Path | str, ports: list[str] | None = None) -> xarray.Dataset:
-    """Return a log as a dataset over time in s: one variable per port with its unit and meaning, properties as attributes.
+    """Return a log as a dataset over time in s: a variable per port with unit and meaning, properties as attributes.
 
     Raises ScenarioError for a file that is no log, or a port it does not have.
     """
@@ -111,6 +115,10 @@ def load(path: Path | str, ports: list[str] | None = None) -> xarray.Dataset:
         signal = found[port]
         dims = ("time",) if signal.values.shape[1] == 1 else ("time", f"{port} index")
         values = signal.values[:, 0] if len(dims) == 1 else signal.values
-        data[port] = xarray.DataArray(values, {"time": signal.ns * 1e-9}, dims, attrs={"units": signal.unit, "long_name": signal.meaning})
-    attributes = {f"{title}.{key}": value for title, table in properties(Path(path)).items() for key, value in table.items()}
+        data[port] = xarray.DataArray(
+            values, {"time": signal.ns * 1e-9}, dims, attrs={"units": signal.unit, "long_name": signal.meaning}
+        )
+    attributes = {
+        f"{title}.{key}": value for title, table in properties(Path(path)).items() for key, value in table.items()
+    }
     return xarray.Dataset(data, attrs=attributes)

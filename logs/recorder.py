@@ -1,10 +1,10 @@
 """Every accepted macro step of every port into a Rerun file, while the run goes.
 
-Layout: ``/plant/<component>/<port>`` outputs, ``/plant/<component>/in/<port>`` inputs, ``/master/...`` the master's health,
-``/events``, ``/log/master`` text, ``/world/...`` the scene.  Two timelines: ``sim_time`` (ns) and ``step``.
+Layout: ``/plant/<component>/<port>`` outputs, ``/plant/<component>/in/<port>`` inputs, ``/master/...`` the master's
+health, ``/events``, ``/log/master`` text, ``/world/...`` the scene.  Two timelines: ``sim_time`` (ns) and ``step``.
 
-The file is called ``NAME.rrd.part`` until it is complete.  It is flushed after every chunk, so a killed run keeps what was
-flushed; a run that fails keeps everything up to the failure and is marked.
+The file is called ``NAME.rrd.part`` until it is complete.  It is flushed after every chunk, so a killed run keeps what
+was flushed; a run that fails keeps everything up to the failure and is marked.
 """
 
 from __future__ import annotations
@@ -51,8 +51,9 @@ class RerunRecorder(Observer):
     """Writes a run to *path*.
 
     *properties* are tables by name (``run``, ``provenance``, ...) that describe the run; *signals* are patterns such as
-    ``"wheels.*"`` (none: every port); *health* computes further series of the master per step, named with their unit, as in
-    ``{"gap_mismatch [m]": 1e-9}``; *scene* draws in space; *closing* gives more properties when the run has ended.  Raises ScenarioError if the file cannot be written.
+    ``"wheels.*"`` (none: every port); *health* computes further series of the master per step, named with their unit,
+    as in ``{"gap_mismatch [m]": 1e-9}``; *scene* draws in space; *closing* gives more properties when the run has
+    ended.  Raises ScenarioError if the file cannot be written.
     """
 
     def __init__(
@@ -147,8 +148,10 @@ class RerunRecorder(Observer):
         self.recording.log("events/located", rr.TextLog(f"{component}: event at {time} ns", level="INFO"))
 
     def finished(self, summary: Summary) -> None:
-        self._close({"status": "complete", "steps": summary.steps, "rejected": summary.rejected, "events": summary.events,
-                     "wall_seconds": summary.wall, "simulated_seconds": summary.simulated})  # fmt: skip
+        self._close({
+            "status": "complete", "steps": summary.steps, "rejected": summary.rejected, "events": summary.events,
+            "wall_seconds": summary.wall, "simulated_seconds": summary.simulated,
+        })  # fmt: skip
 
     def failed(self, error: BaseException) -> None:
         self._say(int(self._ns[self._n - 1]) if self._n else 0, str(error) or type(error).__name__, "ERROR")

@@ -117,7 +117,8 @@ class Scene:
             origins = centres[frames] - self.R * normals[frames]
             arrows = FORCE_SCALE * size[frames][:, :, None] * direction[frames]
             send(f"forces/{what}", rr.Arrows3D.columns(
-                origins=origins.reshape(-1, 3), vectors=arrows.reshape(-1, 3), colors=[colour] * (4 * n), radii=[0.012] * (4 * n),
+                origins=origins.reshape(-1, 3), vectors=arrows.reshape(-1, 3), colors=[colour] * (4 * n),
+                radii=[0.012] * (4 * n),
             ).partition(np.full(n, 4)))  # fmt: skip
 
     def _flights(self, recording: Any, ns: np.ndarray, centres: np.ndarray, read: Read) -> None:

@@ -1,11 +1,13 @@
 """The rover: three plants and their wires, with the controller's ports left open, and how it stands when a run starts.
 
-    controller --> wheels --> body --> chassis
-         ^           ^---------'
-         '-----------'
+    controller --> (drive) --> wheels --> body --> chassis
+         ^           ^           ^---------'
+         '-----------'-----------'
 
 Gauss-Seidel order: the controller sees the outputs of t_n, the wheels step on the reduced interface model of t_n, the
-body on the wheels' mean forces over [t_n, t_n + h], the chassis on the wheel forces that the body passes on.
+body on the wheels' mean forces over [t_n, t_n + h], the chassis on the wheel forces that the body passes on.  A drive
+(motors and spinning wheels) turns torques into the tractions that the wheels are asked for; without one the controller
+asks for them itself.
 """
 
 from __future__ import annotations
@@ -17,23 +19,27 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
-from cosim import Component, CouplingError
+from cosim import Component, CouplingError, Variable
 from cosim.instance import Instance
 
 from .chassis_modal import static_deflection
 
-ORDER = ("controller", "wheels", "body", "chassis")
+ORDER = ("controller", "drive", "wheels", "body", "chassis")
 
-PLANT_WIRES = {
-    **{f"wheels.{port}": f"body.{port}" for port in ("gap", "gap_rate", "contact_velocity", "P", "U", "b_free")},
-    **{f"body.{port}": f"wheels.{port}" for port in ("normal_force", "traction", "lateral")},
+# input: output, or several in the order of preference; made where both ends exist
+WIRES: dict[str, tuple[str, ...]] = {
+    **{f"wheels.{p}": (f"body.{p}",) for p in ("gap", "gap_rate", "contact_velocity", "P", "U", "b_free")},
+    **{f"body.{p}": (f"wheels.{p}",) for p in ("normal_force", "traction", "lateral")},
+    "body.steer": ("controller.steer",),
+    "chassis.wheel_force": ("body.wheel_force",),
+    "wheels.traction_demand": ("drive.traction_demand", "controller.traction_demand"),
+    "drive.torque": ("controller.torque",),
+    "drive.contact_velocity": ("body.contact_velocity",),
+    "drive.normal_force": ("wheels.normal_force_end",),
+    "controller.normal_force": ("wheels.normal_force_end",),
 }
-CHASSIS_WIRES = {"chassis.wheel_force": "body.wheel_force"}
-CONTROLLER_WIRES = {
-    "wheels.traction_demand": "controller.traction_demand",
-    **{f"controller.{port}": f"body.{port}" for port in ("gap", "gap_rate", "P", "U", "b_free")},
-    "controller.normal_force": "wheels.normal_force_end",
-}
+# whatever else a controller or a drive reads: the port of the same name of these, the first that has it
+_SENSED = {"controller": ("drive", "body", "wheels"), "drive": ("body", "wheels")}
 
 # Stands in for the stiffness of a rigid contact when the start is solved: 1e13 N/m leaves 4e-11 m of penetration under
 # a quarter of 170 kg, which the contact law turns into less than 1e-6 m/s at a macro step of 1e-4 s.
@@ -48,10 +54,25 @@ class Stance:
     speed: float = 0.0  # m/s, along +x
 
 
-def wires(slots: set[str]) -> dict[str, str]:
-    """Return the connections among the slots that are filled."""
-    every = {**PLANT_WIRES, **CHASSIS_WIRES, **CONTROLLER_WIRES}
-    return {t: s for t, s in every.items() if t.split(".")[0] in slots and s.split(".")[0] in slots}
+def wires(slots: Mapping[str, Mapping[str, Variable]]) -> dict[str, str]:
+    """Return the connections among the slots that are filled, by the ports that their components have.
+
+    A controller's input without a wire of its own reads the port of the same name of the drive, the body or the wheels.
+    """
+
+    def has(port: str, causality: str) -> bool:
+        slot, _, name = port.partition(".")
+        return slot in slots and name in slots[slot] and slots[slot][name].causality == causality
+
+    found = {}
+    for slot, variables in slots.items():
+        for name in (n for n, v in variables.items() if v.causality == "input"):
+            target = f"{slot}.{name}"
+            sources = WIRES.get(target) or tuple(f"{other}.{name}" for other in _SENSED.get(slot, ()))
+            source = next((s for s in sources if has(s, "output")), None)
+            if source is not None:
+                found[target] = source
+    return found
 
 
 def quaternion(pitch: float, roll: float) -> np.ndarray:

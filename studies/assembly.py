@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from cosim import Component
+from cosim import Component, Variable
 from cosim.errors import ScenarioError
 from cosim.scenario import LinkSpec, Scenario, Slot, describe_problem
 from plants import rover
@@ -16,6 +17,7 @@ from plants.ground import Ground
 from plants.tables import Robot, robot
 
 from .catalog import component, profile
+from .designs import DESIGNS, Context
 
 
 class StartSpec(BaseModel):
@@ -43,13 +45,18 @@ class Assembly:
 
     scenario: Scenario
     components: dict[str, Component | str]  # slot: component, or the path of a foreign FMU
-    connections: dict[str, str | LinkSpec]
+    connections: dict[str, str | LinkSpec]  # beside those that the rover makes by itself
     starts: dict[str, np.ndarray]
     order: tuple[str, ...]
     every: dict[str, int]
     robot: Robot | None = None
     ground: Ground | None = None
     notes: tuple[str, ...] = field(default=())
+
+    def wiring(self, slots: Mapping[str, Mapping[str, Variable]]) -> dict[str, str | LinkSpec]:
+        """Return all connections among the *slots*, given the variables of each: the rover's own and the scenario's."""
+        own = rover.wires(slots) if self.robot is not None else {}
+        return {**own, **self.connections}
 
 
 def assemble(scenario: Scenario) -> Assembly:
@@ -72,7 +79,7 @@ def _free(scenario: Scenario) -> Assembly:
     return Assembly(scenario, parts, dict(scenario.connections), {}, scenario.run.order, every)
 
 
-def _fill(name: str, slot: Slot, more: dict[str, Any]) -> Component | str:
+def _fill(name: str, slot: Slot, more: dict[str, Any], context: Context | None = None) -> Component | str:
     where = f"components.{name}"
     if slot.fmu is not None:
         if slot.type is not None or slot.parameters():
@@ -80,7 +87,7 @@ def _fill(name: str, slot: Slot, more: dict[str, Any]) -> Component | str:
         return slot.fmu
     if slot.type is None:
         raise ScenarioError(f"{where} needs a type of the catalog or the path of an fmu")
-    return component(slot.type, {**more, **slot.parameters()}, where)
+    return component(slot.type, {**more, **slot.parameters()}, where, context)
 
 
 def _rover(scenario: Scenario) -> Assembly:
@@ -91,22 +98,22 @@ def _rover(scenario: Scenario) -> Assembly:
     changes = dict(sections.robot)
     bot = robot(str(changes.pop("table", "thesis_6_1"))).with_changes(**changes)
     road = _ground(sections.ground)
+    slots = {"body": Slot(type="RigidBody"), **scenario.components}
+    if "wheels" not in slots:
+        raise ScenarioError(f"{scenario.name}: components.wheels is missing; a rover needs wheels")
     parts: dict[str, Component | str] = {}
-    for name in (*rover.ORDER, *(n for n in scenario.components if n not in rover.ORDER)):
-        slot = scenario.components.get(name, Slot(type="RigidBody") if name == "body" else None)
-        if slot is None:
-            if name == "wheels":
-                raise ScenarioError(f"{scenario.name}: components.wheels is missing; a rover needs wheels")
-            continue
+    for name in sorted(slots, key=lambda n: slots[n].type in DESIGNS):  # a design builds on the other parts
+        slot = slots[name]
         given = {**bot.body_parameters(), **road.tables(bot.R)} if slot.type == "RigidBody" else {}
-        parts[name] = _fill(name, slot, given)
+        context = Context(bot, road, sections.start.x, sections.start.speed, scenario.run.duration, parts)
+        parts[name] = _fill(name, slot, given, context)
+    parts = {name: parts[name] for name in (*rover.ORDER, *slots) if name in parts}
     starts: dict[str, np.ndarray] = {}
     own = {n: c for n, c in parts.items() if isinstance(c, Component)}
     if "body" in own and "wheels" in own:
         starts = rover.start_values(own, rover.Stance(sections.start.x, sections.start.speed))
-    connections: dict[str, str | LinkSpec] = {**rover.wires(set(parts)), **scenario.connections}
     order = scenario.run.order or tuple(parts)
-    notes = ()
+    notes: tuple[str, ...] = ()
     if scenario.run.algorithm == "jacobi":
         notes = (
             "Jacobi with the reduced interface model is worse than the classical coupling (0.5 m/s at a macro step of "
@@ -114,7 +121,7 @@ def _rover(scenario: Scenario) -> Assembly:
             'algorithm = "gauss-seidel" is what this assembly is made for',
         )
     every = {name: slot.every for name, slot in scenario.components.items()}
-    return Assembly(scenario, parts, connections, starts, order, every, bot, road, notes)
+    return Assembly(scenario, parts, dict(scenario.connections), starts, order, every, bot, road, notes)
 
 
 def _ground(spec: dict[str, Any]) -> Ground:

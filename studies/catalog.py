@@ -18,6 +18,8 @@ from plants.rigid_body import RigidBody
 from plants.rigid_contact import RigidContact
 from plants.wheel_deformation import WheelDeformation
 
+from .designs import DESIGNS, Context
+
 PLANTS: dict[str, type[Component]] = {c.__name__: c for c in (RigidBody, WheelDeformation, RigidContact, ChassisModal)}
 CONTROLLERS: dict[str, type[Component]] = {c.__name__: c for c in (Uncontrolled, PdImpact)}
 COMPONENTS = {**PLANTS, **CONTROLLERS}
@@ -33,8 +35,11 @@ GROUNDS: dict[str, type] = {
 }
 
 
-def component(type_name: str, parameters: dict[str, Any], where: str) -> Component:
-    """Make a component of the catalog; raises ScenarioError naming *where* it was asked for."""
+def component(type_name: str, parameters: dict[str, Any], where: str, context: Context | None = None) -> Component:
+    """Make a component of the catalog, by its design where it has one and there is a *context* to design it for.
+
+    Raises ScenarioError naming *where* it was asked for.
+    """
     if type_name not in COMPONENTS:
         raise ScenarioError(f"{where}: there is no component {type_name!r}; {nearest(type_name, COMPONENTS)}")
     try:
@@ -42,6 +47,8 @@ def component(type_name: str, parameters: dict[str, Any], where: str) -> Compone
             from plants.chassis_fe import chassis  # the finite-element library takes a second to import
 
             return chassis(**parameters)
+        if context is not None and type_name in DESIGNS:
+            return DESIGNS[type_name](dict(parameters), context)
         return COMPONENTS[type_name](**parameters)
     except Exception as error:
         raise ScenarioError(f"{where}: {error}") from error

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json as jsonlib
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -40,8 +40,8 @@ def build(
     from .places import run_folder
 
     chosen = components or list(COMPONENTS)
-    wanted = fmus.PLATFORMS if platforms == "all" else tuple(platforms.split(",")) if platforms else None
-    rows = []
+    wanted = tuple(fmus.PLATFORMS) if platforms == "all" else tuple(platforms.split(",")) if platforms else None
+    rows: list[dict[str, Any]] = []
     for name in chosen:
         if name not in COMPONENTS:
             raise ExportError(f"there is no component {name!r}; {nearest(name, COMPONENTS)}")

@@ -17,7 +17,9 @@ console = Console(highlight=False)
 
 def inspect(
     log: Annotated[Path, typer.Argument(help="A .rrd file written by run or compare (also an unfinished .rrd.part).")],
-    signals: Annotated[str | None, typer.Option(help="Only these ports, comma-separated patterns such as wheels.*,body.pitch.")] = None,
+    signals: Annotated[
+        str | None, typer.Option(help="Only these ports, comma-separated patterns such as wheels.*,body.pitch.")
+    ] = None,
     metrics: Annotated[bool, typer.Option("--metrics", help="Only the verdict of the run.")] = False,
     csv: Annotated[Path | None, typer.Option(help="Write the signals to a CSV file, one column per value.")] = None,
     parquet: Annotated[Path | None, typer.Option(help="Write the signals to a Parquet file.")] = None,
@@ -61,7 +63,9 @@ def _show_facts(facts: dict[str, Any]) -> None:
             console.print(shown)
     verdict = facts["properties"].get("metrics", {})
     if verdict:
-        shown = Table(title="verdict (SI units as in compare)", title_justify="left", show_header=False, box=None, padding=(0, 2))
+        shown = Table(
+            title="verdict (SI units as in compare)", title_justify="left", show_header=False, box=None, padding=(0, 2)
+        )
         for key, value in verdict.items():
             shown.add_row(key, f"{value:.5g}")
         console.print(shown)
@@ -74,4 +78,3 @@ def _show_signals(statistics: dict[str, dict[str, Any]]) -> None:
     for port, s in statistics.items():
         shown.add_row(port, s["unit"], str(s["width"]), *(f"{s[k]:.4g}" for k in ("min", "max", "mean", "rms")))
     console.print(shown)
-

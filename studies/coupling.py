@@ -117,7 +117,7 @@ def cosimulate(case: Case, step: float, coupling: Coupling = "reduced", *, locat
     wheels = fmus.instantiate(case.wheels() if reduced else spring, "wheels")
     instances = {"wheels": wheels, "body": body}
     rover.apply(case.starts(), instances)
-    connections = rover.wires({"wheels", "body"})
+    connections = rover.wires({name: instance.variables for name, instance in instances.items()})
     if not reduced:
         connections = {
             t: s for t, s in connections.items() if t in ("wheels.gap", "wheels.gap_rate", "body.normal_force")

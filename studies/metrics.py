@@ -1,7 +1,7 @@
 """The verdict on a run: what a robot designer compares controllers by, computed from the recorded ports.
 
-Every figure states its unit and which direction is better.  Contacts are judged from the first touch of the obstacle on; a
-chassis without suspension standing on three wheels is counted apart.
+Every figure states its unit and which direction is better.  Contacts are judged from the first touch of the obstacle
+on; a chassis without suspension standing on three wheels is counted apart.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ Signals = Callable[[str], "np.ndarray | None"]
 def verdict(time: np.ndarray, read: Signals, obstacle: float | None = None) -> list[Metric]:
     """Compute all metrics of a run.
 
-    *time* (n,) in s; *read* returns a port's values (n, ...) by name, or None if the run has no such port; *obstacle* is
-    the world x of a wheel centre where its path first leaves the level, in m: contacts count from the first touch there.
+    *time* (n,) in s; *read* returns a port's values (n, ...) by name, or None if the run has no such port; *obstacle*
+    is the world x of a wheel centre where its path first leaves the level, in m: contacts count from the first touch
+    there.
     """
     rows: list[Metric] = []
     rows += _contact(time, read, obstacle)
@@ -125,7 +126,8 @@ def _motion(time: np.ndarray, read: Signals) -> list[Metric]:
     if a is not None and q is not None:
         up = 1 - 2 * (q[:, 1] ** 2 + q[:, 2] ** 2)  # body z axis against world z
         margin = float(np.min(a[:, 2] + G * up) / G)
-    rows.append(Metric("liftoff_margin", "payload lift-off margin (specific force / g, below 0 it lifts)", "1", "higher", margin))  # fmt: skip
+    label = "payload lift-off margin (specific force / g, below 0 it lifts)"
+    rows.append(Metric("liftoff_margin", label, "1", "higher", margin))
     for key, label, pick in (
         ("speed_min", "lowest forward speed", np.min),
         ("speed_max", "highest forward speed", np.max),
@@ -192,7 +194,11 @@ def markdown(scenario: Any, rows: list[dict[str, Any]]) -> str:
     for row in rows:
         if any(v is not None for v in row["values"].values()):
             cells = [
-                "-" if row["values"][v] is None else f"**{row['values'][v]:.4g}**" if v in row["best"] else f"{row['values'][v]:.4g}"
+                "-"
+                if row["values"][v] is None
+                else f"**{row['values'][v]:.4g}**"
+                if v in row["best"]
+                else f"{row['values'][v]:.4g}"
                 for v in variants
             ]
             lines.append(f"| {row['label']} | {row['unit']} | " + " | ".join(cells) + " |")

@@ -47,7 +47,7 @@ class Result:
 
     def signal(self, name: str) -> np.ndarray | None:
         """Return a port's values (n, ...), or None if the run has no such port."""
-        return self.record[name] if name in self.record else None
+        return self.record.get(name)
 
 
 def instantiate(assembly: Assembly, say: Progress = lambda text: None) -> dict[str, Instance]:
@@ -78,7 +78,8 @@ def link(value: str | LinkSpec) -> str | Link:
 
 def connect(assembly: Assembly, instances: dict[str, Instance]) -> System:
     """Wire the instances as the assembly says."""
-    return System(instances, {t: link(s) for t, s in assembly.connections.items()}, every=assembly.every)
+    wires = assembly.wiring({name: instance.variables for name, instance in instances.items()})
+    return System(instances, {t: link(s) for t, s in wires.items()}, every=assembly.every)
 
 
 def algorithm_of(assembly: Assembly) -> Jacobi | GaussSeidel:
@@ -136,7 +137,7 @@ def judge(assembly: Assembly, record: Record) -> list[Metric]:
     """Return the verdict on what was recorded so far; empty before the first step."""
     if len(record) < 2:
         return []
-    return verdict(record.time, lambda port: record[port] if port in record else None, obstacle_start(assembly))
+    return verdict(record.time, record.get, obstacle_start(assembly))
 
 
 def provenance(instances: Mapping[str, Instance]) -> dict[str, Any]:

@@ -143,9 +143,7 @@ def _run(scenario: Scenario, folder: Path | None, bar: Bar) -> Done:
     return Done(execute(scenario, observers, lambda text: bar(f"{label}: {text}")), path)
 
 
-def log_observer(
-    assembly: Assembly, path: Path, instances: dict[str, Instance], record: Record
-) -> RerunRecorder:
+def log_observer(assembly: Assembly, path: Path, instances: dict[str, Instance], record: Record) -> RerunRecorder:
     """Return the observer that logs a run of *assembly* to *path*, with scene, blueprint, properties and verdict."""
     scenario = assembly.scenario
     config = json.dumps(scenario.model_dump(mode="json"), sort_keys=True)
@@ -185,8 +183,8 @@ def _scene(assembly: Assembly) -> Scene | None:
     speed = float(assembly.starts["body.v"][0]) if "body.v" in assembly.starts else 0.0
     reach = abs(speed) * run.duration + bot.L_f + 0.8
     x = np.arange(start - bot.L_r - 0.8, start + reach, 0.01)
-    tracks = {side: np.column_stack([x, p.elevation(x)]) for side, p in (("left", assembly.ground.left), ("right", assembly.ground.right))}
-    return Scene(bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, **tracks, interval=max(2e-3, run.duration / 500))
+    left, right = (np.column_stack([x, track.elevation(x)]) for track in (assembly.ground.left, assembly.ground.right))
+    return Scene(bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, left, right, interval=max(2e-3, run.duration / 500))
 
 
 def _gap_mismatch(instances: dict[str, Instance]) -> Any:
@@ -201,4 +199,3 @@ def _gap_mismatch(instances: dict[str, Instance]) -> Any:
         return {"gap_mismatch [m]": float(np.max(np.abs(off)))}
 
     return health
-

@@ -29,7 +29,7 @@ def test_what_locating_the_edge_and_the_reduced_model_are_worth() -> None:
 
 
 def test_error_falls_with_the_square_of_the_step() -> None:
-    """Over the first contact, before the rebounds amplify differences: P, U, b are held, an error O(h^2) a step in z."""
+    """Over the first contact, before rebounds amplify differences: P, U, b are held, an error O(h^2) a step in z."""
     case = replace(IMPACT, duration=0.02)
     steps = (4e-4, 2e-4, 1e-4, 5e-5)
     errors = [worst_error(case, h) for h in steps]
