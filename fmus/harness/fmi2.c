@@ -151,16 +151,13 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
     ALLOWED(ANY_MODE);
-    if (!*FMUstate && !(*FMUstate = malloc(snapshot_size())))
-        return (fmi2Status)report(in, STATUS_ERROR, "out of memory for a state of %lu bytes", (unsigned long)snapshot_size());
-    snapshot_write(in, *FMUstate);
-    return fmi2OK;
+    return (fmi2Status)snapshot_get(in, FMUstate);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
 {
     ALLOWED(ANY_MODE | FAILED);
-    return (fmi2Status)snapshot_read(in, FMUstate, snapshot_size());
+    return (fmi2Status)snapshot_read(in, FMUstate);
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
@@ -182,23 +179,13 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, si
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
 {
     ALLOWED(ANY_MODE | FAILED);
-    if (size != snapshot_size())
-        return (fmi2Status)report(in, STATUS_ERROR, "%s was given room for %lu bytes, but a state has %lu", __func__, (unsigned long)size,
-                                  (unsigned long)snapshot_size());
-    memcpy(serializedState, FMUstate, size);
-    return fmi2OK;
+    return (fmi2Status)snapshot_serialize(in, FMUstate, serializedState, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size, fmi2FMUstate *FMUstate)
 {
     ALLOWED(ANY_MODE | FAILED);
-    if (size != snapshot_size())
-        return (fmi2Status)report(in, STATUS_ERROR, "%s was given %lu bytes, but a state has %lu", __func__, (unsigned long)size,
-                                  (unsigned long)snapshot_size());
-    if (!*FMUstate && !(*FMUstate = malloc(size)))
-        return (fmi2Status)report(in, STATUS_ERROR, "out of memory for a state of %lu bytes", (unsigned long)size);
-    memcpy(*FMUstate, serializedState, size);
-    return fmi2OK;
+    return (fmi2Status)snapshot_deserialize(in, serializedState, size, FMUstate);
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,

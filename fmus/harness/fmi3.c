@@ -198,16 +198,13 @@ fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueRe
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
 {
     ALLOWED(ANY_MODE);
-    if (!*FMUState && !(*FMUState = malloc(snapshot_size())))
-        return (fmi3Status)report(in, STATUS_ERROR, "out of memory for a state of %lu bytes", (unsigned long)snapshot_size());
-    snapshot_write(in, *FMUState);
-    return fmi3OK;
+    return (fmi3Status)snapshot_get(in, FMUState);
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState)
 {
     ALLOWED(ANY_MODE | FAILED);
-    return (fmi3Status)snapshot_read(in, FMUState, snapshot_size());
+    return (fmi3Status)snapshot_read(in, FMUState);
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
@@ -229,23 +226,13 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUSta
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size)
 {
     ALLOWED(ANY_MODE | FAILED);
-    if (size != snapshot_size())
-        return (fmi3Status)report(in, STATUS_ERROR, "%s was given room for %lu bytes, but a state has %lu", __func__, (unsigned long)size,
-                                  (unsigned long)snapshot_size());
-    memcpy(serializedState, FMUState, size);
-    return fmi3OK;
+    return (fmi3Status)snapshot_serialize(in, FMUState, serializedState, size);
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size, fmi3FMUState *FMUState)
 {
     ALLOWED(ANY_MODE | FAILED);
-    if (size != snapshot_size())
-        return (fmi3Status)report(in, STATUS_ERROR, "%s was given %lu bytes, but a state has %lu", __func__, (unsigned long)size,
-                                  (unsigned long)snapshot_size());
-    if (!*FMUState && !(*FMUState = malloc(size)))
-        return (fmi3Status)report(in, STATUS_ERROR, "out of memory for a state of %lu bytes", (unsigned long)size);
-    memcpy(*FMUState, serializedState, size);
-    return fmi3OK;
+    return (fmi3Status)snapshot_deserialize(in, serializedState, size, FMUState);
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,

@@ -121,7 +121,10 @@ static Status step(Instance *in, double from, double to, Ending *ending);
 /* snapshot.c */
 static size_t snapshot_size(void);
 static void snapshot_write(const Instance *in, unsigned char *bytes);
-static Status snapshot_read(Instance *in, const unsigned char *bytes, size_t size);
+static Status snapshot_read(Instance *in, const unsigned char *bytes);
+static Status snapshot_get(Instance *in, void **state);
+static Status snapshot_serialize(Instance *in, const void *state, void *bytes, size_t size);
+static Status snapshot_deserialize(Instance *in, const void *bytes, size_t size, void **state);
 
 /* instance.c */
 static Instance *instance_new(const char *name);

@@ -40,12 +40,9 @@ static void snapshot_write(const Instance *in, unsigned char *bytes)
     memcpy(bytes + sizeof head, in->slot, sizeof(double) * n_saved());
 }
 
-static Status snapshot_read(Instance *in, const unsigned char *bytes, size_t size)
+static Status snapshot_read(Instance *in, const unsigned char *bytes)
 {
     Head head;
-    if (size != snapshot_size())
-        return report(in, STATUS_ERROR, "a state of %lu bytes was given, but those of this FMU have %lu", (unsigned long)size,
-                      (unsigned long)snapshot_size());
     memcpy(&head, bytes, sizeof head);
     if (head.token != hash_token())
         return report(in, STATUS_ERROR, "a state was given that another FMU wrote");
@@ -57,5 +54,46 @@ static Status snapshot_read(Instance *in, const unsigned char *bytes, size_t siz
     in->continuing = (int)head.continuing;
     memcpy(in->slot, bytes + sizeof head, sizeof(double) * n_saved());
     in->outputs_valid = in->derivatives_valid = 0;
+    return STATUS_OK;
+}
+
+/* The states that cross the API are these bytes in memory of their own. */
+
+static Status snapshot_room(Instance *in, void **state)
+{
+    if (!*state && !(*state = malloc(snapshot_size())))
+        return report(in, STATUS_ERROR, "out of memory for a state of %lu bytes", (unsigned long)snapshot_size());
+    return STATUS_OK;
+}
+
+static Status snapshot_get(Instance *in, void **state)
+{
+    if (snapshot_room(in, state) != STATUS_OK)
+        return STATUS_ERROR;
+    snapshot_write(in, *state);
+    return STATUS_OK;
+}
+
+static Status snapshot_fits(Instance *in, size_t size)
+{
+    if (size != snapshot_size())
+        return report(in, STATUS_ERROR, "a state has %lu bytes here, but %lu were given", (unsigned long)snapshot_size(),
+                      (unsigned long)size);
+    return STATUS_OK;
+}
+
+static Status snapshot_serialize(Instance *in, const void *state, void *bytes, size_t size)
+{
+    if (snapshot_fits(in, size) != STATUS_OK)
+        return STATUS_ERROR;
+    memcpy(bytes, state, size);
+    return STATUS_OK;
+}
+
+static Status snapshot_deserialize(Instance *in, const void *bytes, size_t size, void **state)
+{
+    if (snapshot_fits(in, size) != STATUS_OK || snapshot_room(in, state) != STATUS_OK)
+        return STATUS_ERROR;
+    memcpy(*state, bytes, size);
     return STATUS_OK;
 }
