@@ -12,9 +12,11 @@ from .errors import (
     WiringError,
 )
 from .instance import Advance, Capabilities, Instance
+from .linearize import linearize
 from .master import run
 from .observer import Observer, Point, RunInfo, Summary
 from .record import Record
+from .step_map import step_map
 from .system import System
 from .variable import Variable
 from .wiring import Connection, Link
@@ -45,10 +47,12 @@ __all__ = [
     "WiringError",
     "event",
     "input",
+    "linearize",
     "output",
     "parameter",
     "run",
     "state",
+    "step_map",
     "structural",
     "table",
 ]

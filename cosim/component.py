@@ -29,14 +29,16 @@ the period on the time axis), every tick inside a long step included.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from . import units
+from .declaration import Declaration, Structural, event, input, output, parameter, state, structural, table
 from .errors import DeclarationError, nearest
+from .units import rate_unit
 from .variable import Variable
 
 if TYPE_CHECKING:
@@ -48,85 +50,6 @@ _built: dict[tuple[Any, ...], Equations] = {}
 _RESERVED = {"time", "dt", "crossed", *EQUATIONS}
 
 
-@dataclass(frozen=True)
-class Declaration:
-    """What an author wrote about one quantity.
-
-    ``role`` is one of parameter, structural, input, state, output, event, table.
-    """
-
-    role: str
-    meaning: str
-    unit: str = "1"
-    start: Any = 0.0
-    shape: tuple[int | str, ...] = ()
-    nominal: float = 1.0
-    choices: tuple[str, ...] = ()
-    columns: int = 0
-    announce: bool = False
-    name: str = ""
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        object.__setattr__(self, "name", name)
-
-    def __get__(self, component: Component | None, owner: type) -> Any:
-        """Give the declaration on the class, and on a component the value of a parameter."""
-        if component is None:
-            return self
-        if self.role == "structural":
-            return component.structure[self.name]
-        if self.name not in component.values:
-            raise AttributeError(f"{owner.__name__}.{self.name} is a {self.role}: it has a value in an instance only")
-        value = component.values[self.name]
-        return value if value.shape else float(value)
-
-
-def _shape(shape: int | str | tuple[int | str, ...]) -> tuple[int | str, ...]:
-    return shape if isinstance(shape, tuple) else (shape,)
-
-
-def parameter(start: Any, unit: str, meaning: str, *, shape: int | str | tuple[int | str, ...] = ()) -> Any:
-    """Declare a constant of a run; its shape is that of *start* unless given (names of structural values allowed)."""
-    given = _shape(shape) if shape != () else tuple(np.shape(start))
-    return Declaration("parameter", meaning, unit, start, given)
-
-
-def structural(start: int | str, meaning: str, *, choices: tuple[str, ...] = ()) -> Any:
-    """Declare an integer (a size) or one of *choices*, known when the equations are built: one FMU per value."""
-    return Declaration("structural", meaning, start=start, choices=choices)
-
-
-def input(unit: str, meaning: str, *, start: Any = 0.0, shape: int | str | tuple[int | str, ...] = ()) -> Any:
-    """Declare what others drive; *start* is its value while nobody does."""
-    return Declaration("input", meaning, unit, start, _shape(shape))
-
-
-def state(
-    start: Any, unit: str, meaning: str, *, shape: int | str | tuple[int | str, ...] = (), nominal: float = 1.0
-) -> Any:
-    """Declare a state with its value at the start; *nominal* scales the integrator's absolute tolerance."""
-    given = _shape(shape) if shape != () else tuple(np.shape(start))
-    return Declaration("state", meaning, unit, start, given, nominal)
-
-
-def output(unit: str, meaning: str, *, shape: int | str | tuple[int | str, ...] = ()) -> Any:
-    """Declare what others may read."""
-    return Declaration("output", meaning, unit, None, _shape(shape))
-
-
-def event(meaning: str, *, shape: int | str | tuple[int | str, ...] = (), announce: bool = False) -> Any:
-    """Declare a zero crossing; *announce*: a step returns early there, so that a master can bring everybody to it."""
-    return Declaration("event", meaning, shape=_shape(shape), announce=announce)
-
-
-def table(columns: int, meaning: str, *, start: Any = None) -> Any:
-    """Declare rows of *columns* numbers, looked up by their first, ascending column: the last row not above the key.
-
-    A table is a parameter given as an array (rows, columns), constant in a run; the compiled code does not contain it.
-    """
-    return Declaration("table", meaning, start=start if start is not None else np.zeros((1, columns)), columns=columns)
-
-
 class Component:
     """Base of every component: collects the declarations and holds one set of parameter values, immutable."""
 
@@ -135,6 +58,7 @@ class Component:
     def __init_subclass__(cls) -> None:
         own = {k: v for k, v in vars(cls).items() if isinstance(v, Declaration)}
         cls.declarations = {**cls.declarations, **own}
+        named = {n for n, d in cls.declarations.items() if _is_unit(d)}
         for name, d in own.items():
             if name in _RESERVED or not name.isidentifier():
                 raise DeclarationError(f"{cls.__name__} cannot declare {name!r}: the name is reserved by the contract")
@@ -143,7 +67,8 @@ class Component:
             if len(d.shape) > 2:
                 raise DeclarationError(f"{cls.__name__}.{name} has {len(d.shape)} dimensions; declare at most 2")
             try:
-                units.parse(d.unit)
+                if d.unit.removesuffix("/s") not in named:
+                    units.parse(d.unit)
             except DeclarationError as error:
                 raise DeclarationError(f"{cls.__name__}.{name}: {error}") from None
         for name in EQUATIONS:
@@ -155,7 +80,7 @@ class Component:
         for name in values:
             if name not in settable:
                 raise DeclarationError(f"{type(self).__name__} has no parameter {name!r}; {nearest(name, settable)}")
-        self.structure: dict[str, int | str] = {
+        self.structure: dict[str, Structural] = {
             n: self._structural(d, values.get(n, d.start)) for n, d in settable.items() if d.role == "structural"
         }
         self.values: dict[str, np.ndarray] = {
@@ -170,22 +95,48 @@ class Component:
         ]
         return f"{type(self).__name__}({', '.join(changed)})"
 
-    def _structural(self, d: Declaration, value: Any) -> int | str:
+    def _structural(self, d: Declaration, value: Any) -> Structural:
         who = f"{type(self).__name__}.{d.name}"
         if d.choices:
             if value not in d.choices:
                 raise DeclarationError(f"{who} cannot be {value!r}; it is one of {', '.join(map(repr, d.choices))}")
             return str(value)
-        if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 0:
+        if _is_unit(d):
+            if not isinstance(value, str):
+                raise DeclarationError(f"{who} must be the spelling of a unit, such as 'm/s', not {value!r}")
+            try:
+                units.parse(value)
+            except DeclarationError as error:
+                raise DeclarationError(f"{who}: {error}") from None
+            return value
+        if isinstance(d.start, tuple):
+            if not isinstance(value, (tuple, list)) or len(value) > 2 or not all(_is_size(n) for n in value):
+                raise DeclarationError(f"{who} must be a shape of at most 2 sizes, such as [4] or [], not {value!r}")
+            return tuple(int(n) for n in value)
+        if not _is_size(value):
             raise DeclarationError(f"{who} must be a whole number, not {value!r}")
         return int(value)
 
     def shape_of(self, d: Declaration) -> tuple[int, ...]:
-        """Return the shape of a declared quantity with the structural values filled in."""
-        return tuple(n if isinstance(n, int) else int(self.structure[n]) for n in d.shape)
+        """Return the shape of a declared quantity with the structural values filled in.
+
+        A structural shape that is named alone is taken as it is; beside other sizes it is the number of its elements.
+        """
+        found = [n if isinstance(n, int) else self.structure[n] for n in d.shape]
+        if len(found) == 1 and isinstance(found[0], tuple):
+            return found[0]
+        return tuple(prod(n) if isinstance(n, tuple) else int(n) for n in found)
+
+    def unit_of(self, d: Declaration) -> str:
+        """Return the unit of a declared quantity with the structural values filled in: ``unit`` or ``unit/s``."""
+        name = d.unit.removesuffix("/s")
+        if name not in self.structure or not _is_unit(self.declarations[name]):
+            return d.unit
+        given = str(self.structure[name])
+        return given if name == d.unit else rate_unit(given)
 
     def _array(self, d: Declaration, value: Any) -> np.ndarray:
-        who = f"{type(self).__name__}.{d.name} [{d.unit}]"
+        who = f"{type(self).__name__}.{d.name} [{self.unit_of(d)}]"
         try:
             array = np.asarray(value, dtype=float)
         except (TypeError, ValueError):
@@ -230,22 +181,24 @@ class Component:
         found: dict[str, Variable] = {}
         for n, d in self.declarations.items():
             if d.role == "parameter":
-                found[n] = Variable(n, "parameter", shape=self.shape_of(d), unit=d.unit, start=self.values[n],
+                found[n] = Variable(n, "parameter", shape=self.shape_of(d), unit=self.unit_of(d), start=self.values[n],
                                     meaning=d.meaning, variability="fixed")  # fmt: skip
             elif d.role == "table":
                 found[n] = Variable(n, "parameter", type="String", start=table_text(self.values[n]),
                                     meaning=d.meaning, variability="fixed")  # fmt: skip
             elif d.role == "input":
-                found[n] = Variable(n, "input", shape=self.shape_of(d), unit=d.unit, meaning=d.meaning,
+                found[n] = Variable(n, "input", shape=self.shape_of(d), unit=self.unit_of(d), meaning=d.meaning,
                                     start=self._array(d, d.start))  # fmt: skip
             elif d.role == "output":
-                found[n] = Variable(n, "output", shape=self.shape_of(d), unit=d.unit, meaning=d.meaning,
+                found[n] = Variable(n, "output", shape=self.shape_of(d), unit=self.unit_of(d), meaning=d.meaning,
                                     variability="continuous", depends_on=self.equations.feedthrough[n])  # fmt: skip
             elif d.role == "state":
-                found[n] = Variable(n, "local", shape=self.shape_of(d), unit=d.unit, meaning=d.meaning,
-                                    start=self._array(d, d.start))  # fmt: skip
+                found[n] = Variable(n, "local", shape=self.shape_of(d), unit=self.unit_of(d), meaning=d.meaning,
+                                    start=self._array(d, d.start), nominal=d.nominal,
+                                    variability="discrete" if d.whole else "continuous")  # fmt: skip
                 if self.equations.ode is not None:
-                    found[f"der({n})"] = Variable(f"der({n})", "local", shape=self.shape_of(d), unit=rate_unit(d.unit),
+                    found[f"der({n})"] = Variable(f"der({n})", "local", shape=self.shape_of(d),
+                                                  unit=rate_unit(self.unit_of(d)),
                                                   meaning=f"time derivative of {n}")  # fmt: skip
         return found
 
@@ -256,16 +209,13 @@ class Component:
         return PythonInstance(self, name or type(self).__name__)
 
 
-def rate_unit(unit: str) -> str:
-    """Return the spelling of a unit per second: ``m/s`` for ``m``, ``m/s2`` for ``m/s``."""
-    numerator, slash, denominator = unit.partition("/")
-    if not slash:
-        return f"{unit}/s"
-    terms = denominator.strip("()").split(".")
-    powers = {t.rstrip("0123456789"): int(t[len(t.rstrip("0123456789")) :] or 1) for t in terms}
-    powers["s"] = powers.get("s", 0) + 1
-    spelt = [f"{t}{n if n > 1 else ''}" for t, n in powers.items()]
-    return f"{numerator}/{spelt[0] if len(spelt) == 1 else '(' + '.'.join(spelt) + ')'}"
+def _is_unit(d: Declaration) -> bool:
+    """Whether a declaration is a structural text that other declarations name as their unit."""
+    return d.role == "structural" and isinstance(d.start, str) and not d.choices
+
+
+def _is_size(value: Any) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and int(value) >= 0
 
 
 def table_text(rows: np.ndarray) -> str:

@@ -109,6 +109,10 @@ class Instance(ABC):
     def deserialize(self, data: bytes) -> Any:
         """Return the snapshot that *data* holds; it may come from another instance of the same component."""
 
+    def move(self, name: str, value: Any) -> None:
+        """Set a state at a communication point; raises WiringError unless the instance can, as most FMUs cannot."""
+        raise WiringError(f"the states of {self.name} cannot be set once it runs")
+
     @abstractmethod
     def directional_derivative(self, unknowns: list[str], knowns: list[str], seed: np.ndarray) -> np.ndarray:
         """Return d(unknowns)/d(knowns) times *seed*, both flattened; unknowns are outputs or ``der(state)``."""

@@ -16,6 +16,7 @@ from .algorithms import Algorithm
 from .attempt import Attempt
 from .clock import seconds, ticks
 from .errors import CouplingError, ScenarioError
+from .instance import Instance
 from .observer import Observer, Point, RunInfo, Summary
 from .system import System
 
@@ -240,13 +241,21 @@ def _check_steps(system: System, info: RunInfo, *, locating: bool) -> None:
             raise CouplingError(f"{name} needs steps of equal length, but {why}; {cure}")
 
 
+def sample_period(instance: Instance) -> float | None:
+    """Return the sample period of an instance in s, or None if it has none: a parameter ``period`` in s."""
+    variable = instance.variables.get("period")
+    if variable is None or variable.causality != "parameter" or variable.unit != "s":
+        return None
+    return float(instance.get("period"))
+
+
 def check_periods(system: System, step: int) -> None:
     """Refuse a sample period whose ticks are no communication points and that does not divide the step either."""
     for name, instance in system.instances.items():
-        variable = instance.variables.get("period")
-        if variable is None or variable.causality != "parameter" or variable.unit != "s":
+        sampled = sample_period(instance)
+        if sampled is None:
             continue
-        period, own = ticks(float(instance.get("period")), f"the period of {name}"), step * system.every[name]
+        period, own = ticks(sampled, f"the period of {name}"), step * system.every[name]
         if period % own and own % period:
             raise CouplingError(
                 f"{name} has a period of {seconds(period):g} s, which is neither a multiple nor a whole fraction of "

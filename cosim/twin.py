@@ -64,6 +64,9 @@ class PythonInstance(Instance):
         if variable.causality == "input":
             self.u[block.at] = values[block.at]
 
+    def move(self, name: str, value: Any) -> None:
+        self.set(name, value)
+
     def get(self, name: str) -> Any:
         variable = self.variable(name)
         if variable.causality == "output":
@@ -109,6 +112,10 @@ class PythonInstance(Instance):
             block = next(b for b in blocks if b.at.start <= bad < b.at.stop)
             label = self.variables[block.name].labels()[bad - block.at.start]
             raise StepError(self.name, t, f"{what} {label} is {values[bad]}")
+
+    def looked_up(self) -> np.ndarray:
+        """Return the rows of the tables that are read where the instance is, flattened."""
+        return self._rows(self.t, self.x, 0.0)
 
     # life
 

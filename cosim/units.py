@@ -114,3 +114,15 @@ def parse(spelling: str) -> Unit:
         for name, n in exponents.items():
             total[name] += side * n
     return Unit(tuple(total[name] for name in BASE), factor, shift)  # type: ignore[arg-type]
+
+
+def rate_unit(unit: str) -> str:
+    """Return the spelling of a unit per second: ``m/s`` for ``m``, ``m/s2`` for ``m/s``."""
+    numerator, slash, denominator = unit.partition("/")
+    if not slash:
+        return f"{unit}/s"
+    terms = denominator.strip("()").split(".")
+    powers = {t.rstrip("0123456789"): int(t[len(t.rstrip("0123456789")) :] or 1) for t in terms}
+    powers["s"] = powers.get("s", 0) + 1
+    spelt = [f"{t}{n if n > 1 else ''}" for t, n in powers.items()]
+    return f"{numerator}/{spelt[0] if len(spelt) == 1 else '(' + '.'.join(spelt) + ')'}"

@@ -31,6 +31,7 @@ class Variable:
     start: Any = None
     meaning: str = ""
     variability: str = "continuous"
+    nominal: float = 1.0  # size that counts as large
     depends_on: tuple[str, ...] | None = None  # outputs: the inputs that feed through at once; None: not known, so all
     unit_definition: Unit | None = None  # what a foreign FMU defines its unit to be; None: what its spelling says
 

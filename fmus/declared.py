@@ -47,6 +47,7 @@ def declared_variables(description: Any) -> tuple[dict[str, Variable], dict[str,
             start=_start(elements, shape),
             meaning=head.description or "",
             variability=head.variability or "",
+            nominal=float(getattr(head, "nominal", None) or 1.0),
             depends_on=None if None in known else tuple(dict.fromkeys(_base(n) for k in known if k for n in k)),
         )
         references[name] = References(head.type, tuple(e.valueReference for e in elements))

@@ -10,6 +10,7 @@ import numpy as np
 from cosim import Component, Variable, units
 
 from .layout import Layout, scalar_names
+from .states import TOOL
 
 SOURCE = "all.c"  # includes all the others: foreign builds compile the first file set only
 TOLERANCE, STEP = "1e-08", "0.001"
@@ -20,7 +21,7 @@ def description_xml(layout: Layout, identifier: str, token: str, fmi: int) -> st
     root = ET.Element("fmiModelDescription", fmiVersion="2.0" if fmi == 2 else "3.0", modelName=identifier)
     root.set("guid" if fmi == 2 else "instantiationToken", token)
     root.set("description", first_line(layout.component))
-    root.set("generationTool", "wmr-cosim")
+    root.set("generationTool", TOOL)
     root.set("variableNamingConvention", "structured")
     if fmi == 2:
         root.set("numberOfEventIndicators", "0")

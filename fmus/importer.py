@@ -33,6 +33,7 @@ class Archive:
     identifier: str
     token: str
     meaning: str
+    tool: str  # that wrote it
     platforms: tuple[str, ...]
     variables: dict[str, Variable]
     references: dict[str, References]
@@ -69,6 +70,7 @@ def read(path: str | os.PathLike[str]) -> Archive:
         identifier=interface.get("modelIdentifier", ""),
         token=description.guid or "",
         meaning=description.description or "",
+        tool=description.generationTool or "",
         platforms=_platforms(folder),
         variables=variables,
         references=references,

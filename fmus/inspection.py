@@ -52,7 +52,7 @@ def _described(v: Variable) -> dict[str, Any]:
 
 def check(path: str | os.PathLike[str]) -> list[str]:
     """Return the problems of an FMU, none if it is sound: its description by FMPy, its behaviour by running it."""
-    problems = [str(p).strip() for p in validate_fmu(str(path))]
+    problems = _validated(path)
     try:
         instance = load(path)
     except CosimError as error:
@@ -64,6 +64,13 @@ def check(path: str | os.PathLike[str]) -> list[str]:
     finally:
         instance.close()
     return problems
+
+
+def _validated(path: str | os.PathLike[str]) -> list[str]:
+    try:
+        return [str(p).strip() for p in validate_fmu(str(path))]
+    except Exception:  # FMPy lets through whatever a malformed archive runs into; loading it says what is wrong
+        return []
 
 
 def _run(instance: FmuInstance) -> Iterator[str]:

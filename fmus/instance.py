@@ -20,6 +20,7 @@ from cosim.clock import NS
 from .binding import FATAL, WARNING, Library, Log, register, unregister
 from .declared import References
 from .importer import Archive, library
+from .states import patched, place
 
 
 class FmuInstance(Instance):
@@ -117,6 +118,20 @@ class FmuInstance(Instance):
         """Return one variable of any type; arrays have their shape."""
         variable = self.variable(name)
         return self._read(self.archive.references[name], variable)
+
+    def move(self, name: str, value: Any) -> None:
+        """Set a state of an FMU of our own while it runs; raises WiringError for anybody else's."""
+        where, shape = place(self.archive, name), self.variable(name).shape
+        saved = self.snapshot()
+        try:
+            data = patched(self.serialize(saved), where, np.broadcast_to(value, shape))
+        finally:
+            self.forget(saved)
+        moved = self.deserialize(data)
+        try:
+            self.restore(moved)
+        finally:
+            self.forget(moved)
 
     def push(self) -> None:
         """Hand the buffer ``u`` to the FMU."""

@@ -80,12 +80,19 @@ class RigidBody(Component):
     curvature = output("1/m", "curvature of each wheel-centre path, concave up positive", shape=4)
     gap = output("m", "signed distance of each wheel from the ground, negative when pressed", shape=4)
     gap_rate = output("m/s", "its time derivative", shape=4)
-    contact_velocity = output("m/s", "velocity of each wheel centre along the wheel and to its left", shape=(4, 2))
+    contact_velocity = output(
+        "m/s",
+        "velocity of each wheel: of its centre along the wheel, and sideslip at the ground to the left",
+        shape=(4, 2),
+    )
     P = output("1/kg", "gap acceleration of each wheel per normal force of each wheel", shape=(4, 4))
     U = output("1/kg", "gap acceleration of each wheel per traction of each wheel", shape=(4, 4))
+    V = output("1/kg", "gap acceleration of each wheel per lateral force of each wheel", shape=(4, 4))
+    sideslip_mobility = output("1/kg", "most acceleration of a wheel to its left by lateral forces of 1 N", shape=4)
     b_free = output("m/s2", "gap acceleration without normal force and traction", shape=4)
     normal_impulse = output("N.s", "normal impulse received over the last step", shape=4)
     wheel_force = output("N", "force of each wheel on the body along the body's z axis", shape=4)
+    axle_force = output("N", "force of each wheel on the body, body axes", shape=(4, 3))
     wheel_centre = output("m", "wheel centres, world", shape=(4, 3))
     contact_normal = output("1", "outward normals at the contacts, world", shape=(4, 3))
     traction_direction = output("1", "directions of traction, world", shape=(4, 3))
@@ -145,9 +152,10 @@ def _contact_outputs(m: Motion) -> dict[str, Any]:
         "curvature": ca.vertcat(*(c.curvature for c in m.contacts)),
         "gap": ca.vertcat(*(c.gap for c in m.contacts)),
         "gap_rate": ca.vertcat(*(ca.dot(c.normal, v) for c, v in both)),
-        "contact_velocity": ca.vertcat(*(ca.horzcat(ca.dot(c.along, v), ca.dot(c.left, v)) for c, v in both)),
-        "P": m.P, "U": m.U, "b_free": m.b_free,
+        "contact_velocity": ca.horzcat(ca.vertcat(*(ca.dot(c.along, v) for c, v in both)), ca.vertcat(*m.sideslip)),
+        "P": m.P, "U": m.U, "V": m.V, "sideslip_mobility": m.mobility, "b_free": m.b_free,
         "wheel_force": ca.vertcat(*(f[2] for f in m.forces)),
+        "axle_force": ca.horzcat(*m.forces).T,
         "wheel_centre": m.where.centres,
         "contact_normal": ca.horzcat(*(m.where.rotation @ c.normal for c in m.contacts)).T,
         "traction_direction": ca.horzcat(*(m.where.rotation @ c.along for c in m.contacts)).T,
@@ -167,12 +175,15 @@ class Motion:
 
     where: Place
     contacts: list[Contact]
-    wheel_velocities: list[Any]
+    wheel_velocities: list[Any]  # of the centres
+    sideslip: list[Any]  # velocity to the left where the lateral force acts: what it works on
     forces: list[Any]  # contact force of each wheel
     acceleration: Any
     alpha: Any
     P: Any
     U: Any
+    V: Any
+    mobility: Any
     b_free: Any
 
 
@@ -230,10 +241,15 @@ def motion(s: Any, where: Place, near: Any) -> Motion:
 
     per_normal = [(N[j] / s.m, ca.cross(r[j], N[j]) / s.inertia) for j in WHEELS]
     per_traction = [(at[j].along / s.m, ca.cross(r[j], at[j].along) / s.inertia) for j in WHEELS]
+    per_lateral = [(at[j].left / s.m, ca.cross(r[j], at[j].left) / s.inertia) for j in WHEELS]
 
     def seen(k: int, a: Any, alpha: Any) -> Any:
         """The normal acceleration of wheel centre k for a body acceleration *a* and *alpha*."""
         return ca.dot(at[k].normal, a + ca.cross(alpha, arms[k]))
+
+    def aside(k: int, a: Any, alpha: Any) -> Any:
+        """The acceleration to the left of where wheel k slips."""
+        return ca.dot(at[k].left, a + ca.cross(alpha, r[k]))
 
     def bent(k: int) -> Any:
         """What the turning of the body and of the normal add to it."""
@@ -243,12 +259,14 @@ def motion(s: Any, where: Place, near: Any) -> Motion:
 
     P = ca.vertcat(*(ca.horzcat(*(seen(k, *per_normal[j]) for j in WHEELS)) for k in WHEELS))
     U = ca.vertcat(*(ca.horzcat(*(seen(k, *per_traction[j]) for j in WHEELS)) for k in WHEELS))
+    V = ca.vertcat(*(ca.horzcat(*(seen(k, *per_lateral[j]) for j in WHEELS)) for k in WHEELS))
+    mobility = ca.vertcat(*(sum(ca.fabs(aside(k, *per_lateral[j])) for j in WHEELS) for k in WHEELS))
     b_free = ca.vertcat(*(seen(k, free_a, free_alpha) + bent(k) for k in WHEELS))
     fed = [(per_normal[j], s.normal_force[j]) for j in WHEELS] + [(per_traction[j], s.traction[j]) for j in WHEELS]
     return Motion(
-        where, at, velocities,
+        where, at, velocities, [ca.dot(at[k].left, v_body + ca.cross(s.omega, r[k])) for k in WHEELS],
         forces=[N[k] * s.normal_force[k] + at[k].along * s.traction[k] + at[k].left * s.lateral[k] for k in WHEELS],
         acceleration=free_a + sum(a * F for (a, _), F in fed),
         alpha=free_alpha + sum(alpha * F for (_, alpha), F in fed),
-        P=P, U=U, b_free=b_free,
+        P=P, U=U, V=V, mobility=mobility, b_free=b_free,
     )  # fmt: skip

@@ -3,14 +3,16 @@
 With the contact velocities v = gap' at the start of a step of length h and the reduced model of the body, the impulses
 of the step and the velocities at its end solve
 
-    v+ = v + h (U F_a + b_free) + P Lam
-    0 <= Lam  _|_  v+ + eps Lam - target >= 0                      (4.33 in velocities, with impacts)
+    v+ = v + h (U F_a + V (F_l - F_l-) + b_free) + P Lam
+    0 <= Lam - given  _|_  v+ + eps Lam - target >= 0              (4.33 in velocities, with impacts)
 
-    target = -gap / h                                   apart: it may come as close as touching
-           = max(e approach, rate of recovery)          touching or pressed
+    target = -gap / h               apart: it may come as close as touching
+           = rate of recovery       touching or pressed
 
-``approach`` is the velocity with which the contact closed: an impact with restitution e, as in
-0 <= Lam _|_ P Lam + (1 + e) v >= 0.  F_a = clip(traction_demand, +-mu Lam / h) by a few passes.
+``given`` is the restitution of an impact, once no wheel closes any more: e times the impulses since the first one did,
+or less where that would give back more than e^2 of the energy they took.  Where the same wheels push throughout that
+is 0 <= Lam _|_ P Lam + (1 + e) v >= 0.  F_a and F_l are the friction of `wheel_deformation` under F_n = Lam / h; b_free
+knows the lateral forces of the step before, F_l-.
 """
 
 from __future__ import annotations
@@ -19,13 +21,13 @@ from typing import Any
 
 import casadi as ca
 
-from cosim import Component, input, output, parameter, state
+from cosim import Component, input, output, parameter, state, structural
 
 from .lcp import solve_lcp
-from .wheel_deformation import friction
+from .wheel_deformation import asked_aside, friction
 
-_PASSES = 3  # each shrinks the error of the friction by mu |P^-1 U|, about 0.4, from what it was a step ago
 _RESTING = 2  # an approach no faster than this many steps of free fall is no impact: a contact at rest does not chatter
+_NOTHING = 1e-30  # J, keeps a quotient of zeros at zero
 _SPLIT = 1e-5  # least eps over |P|: left and right share a load evenly, rounding in the gaps moves less than 1e-3 N
 
 
@@ -33,11 +35,18 @@ class RigidContact(Component):
     """Four rigid wheels, stepped in velocities: the ports of `WheelDeformation`, so that either fits in its place.
 
     Wheels in the order front-left, front-right, rear-left, rear-right.  The body spreads an impulse over the step, so a
-    contact that closes at a speed v sinks in by (1 - e) h v / 2 during its impact.  Undoing that within a step (a
-    target of -gap / h) would throw the body back at v / 2, even from a plastic impact.  The contacts rise instead with
-    the velocity from which ``recovery`` brings them to rest at the surface, all with the same factor, which keeps the
-    wheels of a rigid body compatible.
+    contact that closes at a speed v sinks in by h v / 2 during its impact, wherever in a step it lands.  Undoing that
+    within a step (a target of -gap / h) would throw the body back at v / 2, even from a plastic impact.  The contacts
+    rise instead with the velocity from which ``recovery`` brings them to rest at the surface, all with the same factor,
+    which keeps the wheels of a rigid body compatible.
+
+    Sideslip is held over the step, so a lateral force must not turn it round: a wheel has the cornering stiffness of
+    one that rolls at h C_alpha sideslip_mobility or faster, 0.3 m/s for the thesis' robot at a step of 1 ms.
     """
+
+    sideslip = structural(
+        "stiffness", "lateral force: by C_alpha, or as a drive asks for by slip", choices=("stiffness", "demand")
+    )
 
     e = parameter(0.0, "1", "coefficient of restitution: 0 plastic, 1 elastic")
     mu = parameter(0.8, "1", "friction coefficient between tyre and ground")
@@ -51,8 +60,11 @@ class RigidContact(Component):
     contact_velocity = input("m/s", "velocity of each wheel along its heading and across, to the left", shape=(4, 2))
     P = input("1/kg", "gap acceleration of each wheel per normal force of each wheel", shape=(4, 4))
     U = input("1/kg", "gap acceleration of each wheel per traction of each wheel", shape=(4, 4))
+    V = input("1/kg", "gap acceleration of each wheel per lateral force of each wheel", shape=(4, 4))
+    sideslip_mobility = input("1/kg", "most acceleration of a wheel to its left by lateral forces of 1 N", shape=4)
     b_free = input("m/s2", "gap acceleration without normal force and traction", shape=4)
     traction_demand = input("N", "traction asked of each wheel", shape=4)
+    lateral_demand = input("N", "lateral force asked of each wheel, to the left; for sideslip = demand", shape=4)
 
     force = state([0.0] * 4, "N", "mean normal force over the step", nominal=100.0)
     along = state([0.0] * 4, "N", "traction over the step", nominal=100.0)
@@ -60,7 +72,8 @@ class RigidContact(Component):
     elapsed = state(0.0, "s", "length of the step")
     clearance = state([0.0] * 4, "m", "gap at the start of the step", nominal=1e-3)
     clearance_rate = state([0.0] * 4, "m/s", "gap rate at the end of the step", nominal=0.1)
-    approach = state([0.0] * 4, "m/s", "speed at which a contact closed whose impact is not over, else 0", nominal=0.1)
+    stored = state([0.0] * 4, "N.s", "normal impulse of an impact so far, 0 when it is over", nominal=0.1)
+    taken = state(0.0, "J", "energy that the impulses of an impact took so far, 0 when it is over")
     lost = state(0.0, "J", "energy taken from the body by the normal forces since the start")
     slid = state(0.0, "J", "energy dissipated by sideslip since the start")
 
@@ -79,27 +92,37 @@ class RigidContact(Component):
 
     def flow(s: Any) -> dict[str, Any]:
         h = s.dt
-        impact = -s.gap_rate > _RESTING * h * ca.fabs(s.b_free)
-        approach = ca.fmax(s.approach, ca.if_else(impact, -s.gap_rate, 0))
-        target = _target(s, approach)
+        closing = ca.logic_and(-s.gap_rate > _RESTING * h * ca.fabs(s.b_free), s.gap + h * s.gap_rate < 0)
+        impact = ca.mmax(closing)  # 1 while any wheel closes
+        given = ca.if_else(impact, 0, _restitution(s))
+        target = _target(s)
         size = ca.mmax(ca.fabs(s.P))
         eps = ca.fmax(1 / (s.k_split * h**2), _SPLIT * size)
         compliant = s.P + eps * ca.SX.eye(4)
 
-        force = s.force
-        for _ in range(_PASSES):
-            traction, _lateral = friction(s, force)
-            free = s.gap_rate + h * (s.b_free + s.U @ traction)
-            impulse = ca.fmax(0, solve_lcp(compliant, free - target))
-            force = impulse / h
+        def pushed(F_n: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+            """Return the gap rates that friction under *F_n* and all but the ground leave, and that friction."""
+            traction, lateral = friction(s, F_n, h * s.C_alpha * s.sideslip_mobility, asked_aside(s))
+            other = s.U @ traction + s.V @ (lateral - s.across)
+            return s.gap_rate + h * (s.b_free + other), traction, lateral
+
+        def impulses(F_n: ca.SX) -> ca.SX:
+            return given + ca.fmax(0, solve_lcp(compliant, pushed(F_n)[0] + compliant @ given - target))
+
+        # Each pass turns an error of F_n into -g times it: g is 0.4 for brakes at their limit, 0.7 for one wheel that
+        # slips sideways, beyond 1 where P hardly says which wheels bear.  The last one leaves g^2 (1 - g) / 2.
+        first = impulses(s.force) / h
+        impulse = impulses((first + impulses(first) / h) / 2)
+        force = impulse / h
+        free, traction, lateral = pushed(force)
         reached = free + s.P @ impulse
-        traction, lateral = friction(s, force)
-        unfinished = ca.logic_and(impulse > 0, reached < s.e * approach)
+        taken = -ca.dot(impulse, s.gap_rate + reached) / 2
         return {
             "force": force, "along": traction, "across": lateral, "elapsed": h,
             "clearance": s.gap, "clearance_rate": reached,
-            "approach": ca.if_else(unfinished, approach, 0),
-            "lost": s.lost - ca.dot(impulse, s.gap_rate + reached) / 2,
+            "stored": ca.if_else(ca.logic_and(impact, impulse > 0), s.stored + impulse, 0),
+            "taken": ca.if_else(impact, s.taken + taken, 0),
+            "lost": s.lost + taken,
             "slid": s.slid - h * ca.dot(lateral, s.contact_velocity[:, 1]),
         }  # fmt: skip
 
@@ -120,9 +143,21 @@ class RigidContact(Component):
         }
 
 
-def _target(s: Any, approach: ca.SX) -> ca.SX:
+def _target(s: Any) -> ca.SX:
     """Return the least velocities at the end of the step (4)."""
     deepest = -ca.mmin(s.gap)
     # From rest at the surface backwards in time, depth = v^2 / (2 recovery); the last bit within one step.
     rate = ca.sqrt(2 * s.recovery / ca.fmax(deepest, 2 * s.recovery * s.dt**2))
-    return ca.if_else(s.gap > 0, -s.gap / s.dt, ca.fmax(s.e * approach, -rate * s.gap))
+    return -s.gap * ca.if_else(s.gap > 0, 1 / s.dt, rate)
+
+
+def _restitution(s: Any) -> ca.SX:
+    """Return the impulses (4) that an impact gives back: f e stored, with the largest f <= 1 that gains no energy.
+
+    They change the energy by f e v . stored + (f e)^2 stored . P stored / 2, which is not to exceed e^2 of what the
+    impact took.  Wheels that landed one after the other would otherwise gain where the later one lifted the first.
+    """
+    whole = s.e * s.stored
+    linear, square = ca.dot(whole, s.gap_rate), ca.dot(whole, s.P @ whole)
+    limit = 2 * s.e**2 * ca.fmax(0, s.taken)
+    return whole * ca.fmin(1, limit / (linear + ca.sqrt(linear**2 + square * limit) + _NOTHING))

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import root
+from scipy.optimize import least_squares, root
 
 from cosim import Component, CouplingError, Variable
 from cosim.instance import Instance
@@ -28,11 +28,14 @@ ORDER = ("controller", "drive", "wheels", "body", "chassis")
 
 # input: output, or several in the order of preference; made where both ends exist
 WIRES: dict[str, tuple[str, ...]] = {
-    **{f"wheels.{p}": (f"body.{p}",) for p in ("gap", "gap_rate", "contact_velocity", "P", "U", "b_free")},
+    **{f"wheels.{p}": (f"body.{p}",) for p in ("gap", "gap_rate", "contact_velocity", "P", "U", "V", "b_free")},
+    "wheels.sideslip_mobility": ("body.sideslip_mobility",),
     **{f"body.{p}": (f"wheels.{p}",) for p in ("normal_force", "traction", "lateral")},
     "body.steer": ("controller.steer",),
+    "body.moment": ("drive.reaction",),
     "chassis.wheel_force": ("body.wheel_force",),
     "wheels.traction_demand": ("drive.traction_demand", "controller.traction_demand"),
+    "wheels.lateral_demand": ("drive.lateral_demand",),
     "drive.torque": ("controller.torque",),
     "drive.contact_velocity": ("body.contact_velocity",),
     "drive.normal_force": ("wheels.normal_force_end",),
@@ -101,11 +104,19 @@ def stand(body: Component, wheels: Component, stance: Stance) -> dict[str, np.nd
         instance.set("normal_force", np.maximum(0, -k * instance.get("gap")))
         return np.array([instance.get("der(v)")[2], *instance.get("der(omega)")[:2]])
 
-    place(np.array([h + R, 0, 0]))
-    height = h + R - float(np.min(instance.get("gap"))) - sag  # lowest clearance closed, then sagged
-    found = root(place, [height, 0.0, 0.0], method="hybr", options={"xtol": 1e-15, "eps": 1e-7 * sag / height})
-    unknowns = _polish(place, found.x, sag)
-    residual = place(unknowns)
+    def clearance(unknowns: np.ndarray) -> np.ndarray:
+        place(unknowns)
+        return instance.get("gap")
+
+    height = h + R - float(np.min(clearance(np.array([h + R, 0, 0]))))  # level, with the lowest clearance closed
+    laid = least_squares(clearance, [height, 0.0, 0.0], xtol=1e-12).x  # tilted, with all clearances as small as can be
+    for guess in ([height, 0.0, 0.0], laid):
+        first = guess - np.array([sag, 0, 0])
+        found = root(place, first, method="hybr", options={"xtol": 1e-15, "eps": 1e-7 * sag / height})
+        unknowns = _polish(place, found.x, sag)
+        residual = place(unknowns)
+        if np.max(np.abs(residual)) < 1e-6:
+            break
     if np.max(np.abs(residual)) > 1e-6 * max(1.0, np.max(k) / _RIGID * 1e4):
         raise CouplingError(
             f"the rover finds no static equilibrium at x = {stance.x:g} m: {residual[0]:.2g} m/s2 and "
@@ -142,6 +153,9 @@ def start_values(components: dict[str, Component], stance: Stance) -> dict[str, 
     if "z" not in wheels.declarations:  # rigid wheels have a force where deformable ones have a deformation
         found.pop("wheels.z")
         found["wheels.force"] = forces
+    drive = components.get("drive")
+    if drive is not None and "omega" in drive.declarations:
+        found["drive.omega"] = np.full(4, stance.speed / float(drive.values["R"]))  # rolling
     chassis = components.get("chassis")
     if chassis is not None:
         found["chassis.modal_q"] = static_deflection(chassis, forces)

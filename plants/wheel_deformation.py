@@ -7,6 +7,7 @@ Between communication points the wheels integrate the relative motion of the con
     F_a = clip(traction_demand, +-mu F_n)
     F_l = -S / sqrt(1 + (S / room)^2),   S = C_alpha alpha,   room^2 = (mu F_n)^2 - F_a^2
     alpha = atan(v_across / sqrt(v_along^2 + v_min^2))
+or  F_l = clip(lateral_demand, +-room)                             sideslip = "demand": of a drive's own curve
 
 starting from the body's gap and gap rate, and return means over the step: momentum passed equals momentum received.
 In print K = -P k_w (6.8) has the sign of a spring that pulls.
@@ -18,7 +19,7 @@ from typing import Any
 
 import casadi as ca
 
-from cosim import Component, event, input, output, parameter, state
+from cosim import Component, event, input, output, parameter, state, structural
 
 _SMALL = 1e-3  # N, forces below it bend the roots and quotients of the friction ellipse, which keeps slopes finite
 
@@ -34,6 +35,10 @@ class WheelDeformation(Component):
     negative.
     """
 
+    sideslip = structural(
+        "stiffness", "lateral force: by C_alpha, or as a drive asks for by slip", choices=("stiffness", "demand")
+    )
+
     k_w = parameter([1e5, 1e5, 1e5, 1e5], "N/m", "radial stiffness of each wheel")
     c_w = parameter([0.0, 0.0, 0.0, 0.0], "N.s/m", "radial damping of each wheel")
     mu = parameter(0.8, "1", "friction coefficient between tyre and ground")
@@ -47,6 +52,7 @@ class WheelDeformation(Component):
     U = input("1/kg", "gap acceleration of each wheel per traction of each wheel", shape=(4, 4))
     b_free = input("m/s2", "gap acceleration without normal force and traction", shape=4)
     traction_demand = input("N", "traction asked of each wheel", shape=4)
+    lateral_demand = input("N", "lateral force asked of each wheel, to the left; for sideslip = demand", shape=4)
 
     z = state([0.0] * 4, "m", "deformation of each wheel, compression negative", nominal=1e-3)
     z_rate = state([0.0] * 4, "m/s", "its time derivative", nominal=0.1)
@@ -81,7 +87,7 @@ class WheelDeformation(Component):
 
     def derivatives(s: Any) -> dict[str, Any]:
         F = _normal_force(s)
-        traction, lateral = friction(s, F)
+        traction, lateral = friction(s, F, lateral_demand=asked_aside(s))
         stored_rate = s.k_w * ca.fmin(s.z, 0) * s.z_rate
         return {
             "z": s.z_rate,
@@ -129,16 +135,25 @@ def _by_axles(matrix: ca.SX, forces: ca.SX) -> ca.SX:
     return matrix[:, :2] @ forces[:2] + matrix[:, 2:] @ forces[2:]
 
 
-def friction(s: Any, F_n: ca.SX) -> tuple[ca.SX, ca.SX]:
+def asked_aside(s: Any) -> Any:
+    """Return the lateral force (4,) that a drive asks for, or None where the wheels make it by their stiffness."""
+    return s.lateral_demand if s.sideslip == "demand" else None
+
+
+def friction(s: Any, F_n: ca.SX, least_speed: Any = 0, lateral_demand: Any = None) -> tuple[ca.SX, ca.SX]:
     """Return traction and lateral force (4 each) under the normal forces *F_n*: first the demand, then sideslip.
 
     Reads ``traction_demand``, ``contact_velocity``, ``mu``, ``C_alpha`` and ``v_min``.  The lateral force approaches
-    what the traction leaves of the friction ellipse smoothly and stays inside it.
+    what the traction leaves of the friction ellipse smoothly and stays inside it.  A wheel slower than *least_speed*
+    (4, m/s) has the slip angle of one at that speed.  A *lateral_demand* (4, N) takes the place of sideslip, cut at the
+    ellipse.
     """
     limit = s.mu * F_n
     traction = ca.fmax(-limit, ca.fmin(limit, s.traction_demand))
     left = ca.fmax(0, limit**2 - traction**2)
     room = left / ca.sqrt(left + _SMALL**2)
+    if lateral_demand is not None:
+        return traction, ca.fmax(-room, ca.fmin(room, lateral_demand))
     along, across = s.contact_velocity[:, 0], s.contact_velocity[:, 1]
-    stiff = s.C_alpha * ca.atan2(across, ca.sqrt(along**2 + s.v_min**2))
+    stiff = s.C_alpha * ca.atan2(across, ca.fmax(least_speed, ca.sqrt(along**2 + s.v_min**2)))
     return traction, -stiff * room / ca.sqrt(room**2 + stiff**2 + _SMALL**2)

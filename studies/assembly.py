@@ -16,8 +16,10 @@ from plants import rover
 from plants.ground import Ground
 from plants.tables import Robot, robot
 
-from .catalog import component, profile
+from .catalog import fill, profile
 from .designs import DESIGNS, Context
+from .metrics import check_groups
+from .through import before, elements, rerouted
 
 
 class StartSpec(BaseModel):
@@ -45,22 +47,26 @@ class Assembly:
 
     scenario: Scenario
     components: dict[str, Component | str]  # slot: component, or the path of a foreign FMU
-    connections: dict[str, str | LinkSpec]  # beside those that the rover makes by itself
-    starts: dict[str, np.ndarray]
+    connections: dict[str, LinkSpec]  # beside those that the rover makes by itself
     order: tuple[str, ...]
     every: dict[str, int]
+    starts: dict[str, np.ndarray] = field(default_factory=dict)
     robot: Robot | None = None
     ground: Ground | None = None
     notes: tuple[str, ...] = field(default=())
 
     def wiring(self, slots: Mapping[str, Mapping[str, Variable]]) -> dict[str, str | LinkSpec]:
-        """Return all connections among the *slots*, given the variables of each: the rover's own and the scenario's."""
+        """Return all connections among the *slots*, given the variables of each: the rover's own and the scenario's.
+
+        Where something stands in a connection, it leads through it.
+        """
         own = rover.wires(slots) if self.robot is not None else {}
-        return {**own, **self.connections}
+        return rerouted({**own, **self.connections}, self.scenario.elements(), slots)
 
 
 def assemble(scenario: Scenario) -> Assembly:
     """Resolve a scenario; raises ScenarioError naming the key for anything that does not exist or does not fit."""
+    check_groups(scenario.verdict)
     if scenario.assembly is None:
         return _free(scenario)
     if scenario.assembly != "rover":
@@ -74,20 +80,18 @@ def _free(scenario: Scenario) -> Assembly:
         raise ScenarioError(f'{scenario.name}: {key} is not known here; did you leave out assembly = "rover"?')
     if not scenario.components:
         raise ScenarioError(f"{scenario.name}: there are no components; add [components.NAME] with a type or an fmu")
-    parts = {name: _fill(name, slot, {}) for name, slot in scenario.components.items()}
-    every = {name: slot.every for name, slot in scenario.components.items()}
-    return Assembly(scenario, parts, dict(scenario.connections), {}, scenario.run.order, every)
+    parts = {name: fill(slot, f"components.{name}", {}) for name, slot in scenario.components.items()}
+    return _complete(scenario, parts)
 
 
-def _fill(name: str, slot: Slot, more: dict[str, Any], context: Context | None = None) -> Component | str:
-    where = f"components.{name}"
-    if slot.fmu is not None:
-        if slot.type is not None or slot.parameters():
-            raise ScenarioError(f"{where} names an fmu, so it cannot have a type or parameters beside it")
-        return slot.fmu
-    if slot.type is None:
-        raise ScenarioError(f"{where} needs a type of the catalog or the path of an fmu")
-    return component(slot.type, {**more, **slot.parameters()}, where, context)
+def _complete(scenario: Scenario, parts: dict[str, Component | str], **rest: Any) -> Assembly:
+    """Return the assembly of the *parts* in their order, with what stands in connections right before its target."""
+    placed = scenario.elements()
+    every = {name: slot.every for name, slot in scenario.components.items()} | {e.name: e.slot.every for e in placed}
+    between = elements(scenario, parts)
+    order = before(scenario.run.order or tuple(parts), placed)
+    everything = {name: {**parts, **between}[name] for name in before(tuple(parts), placed)}
+    return Assembly(scenario, everything, dict(scenario.connections), order=order, every=every, **rest)
 
 
 def _rover(scenario: Scenario) -> Assembly:
@@ -102,17 +106,17 @@ def _rover(scenario: Scenario) -> Assembly:
     if "wheels" not in slots:
         raise ScenarioError(f"{scenario.name}: components.wheels is missing; a rover needs wheels")
     parts: dict[str, Component | str] = {}
-    for name in sorted(slots, key=lambda n: slots[n].type in DESIGNS):  # a design builds on the other parts
+    # a design builds on the parts that need none, that of a controller on all others
+    for name in sorted(slots, key=lambda n: (slots[n].type in DESIGNS, n == "controller")):
         slot = slots[name]
         given = {**bot.body_parameters(), **road.tables(bot.R)} if slot.type == "RigidBody" else {}
         context = Context(bot, road, sections.start.x, sections.start.speed, scenario.run.duration, parts)
-        parts[name] = _fill(name, slot, given, context)
+        parts[name] = fill(slot, f"components.{name}", given, context)
     parts = {name: parts[name] for name in (*rover.ORDER, *slots) if name in parts}
     starts: dict[str, np.ndarray] = {}
     own = {n: c for n, c in parts.items() if isinstance(c, Component)}
     if "body" in own and "wheels" in own:
         starts = rover.start_values(own, rover.Stance(sections.start.x, sections.start.speed))
-    order = scenario.run.order or tuple(parts)
     notes: tuple[str, ...] = ()
     if scenario.run.algorithm == "jacobi":
         notes = (
@@ -120,8 +124,7 @@ def _rover(scenario: Scenario) -> Assembly:
             "1e-4 s on the ramp): the wheels and the body then use each other's values of the step before; "
             'algorithm = "gauss-seidel" is what this assembly is made for',
         )
-    every = {name: slot.every for name, slot in scenario.components.items()}
-    return Assembly(scenario, parts, dict(scenario.connections), starts, order, every, bot, road, notes)
+    return _complete(scenario, parts, starts=starts, robot=bot, ground=road, notes=notes)
 
 
 def _ground(spec: dict[str, Any]) -> Ground:

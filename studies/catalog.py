@@ -7,22 +7,51 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from controllers.actuator import Actuator
+from controllers.force_profile import ForceProfile
+from controllers.jerk_traction import JerkTraction
+from controllers.open_loop_torque import OpenLoopTorque
 from controllers.pd_impact import PdImpact
+from controllers.pitch_trajectory import PitchTrajectory
+from controllers.playback import Playback
+from controllers.pole_placement import PolePlacement
+from controllers.sensor import Sensor
+from controllers.slip_control import SlipControl
+from controllers.steered import Steered
 from controllers.uncontrolled import Uncontrolled
 from cosim import Component
 from cosim.errors import ScenarioError, nearest
-from cosim.scenario import ScenarioFile
+from cosim.scenario import ScenarioFile, Slot
 from plants import ground
 from plants.chassis_modal import ChassisModal
+from plants.manoeuvre import PitchManoeuvre
 from plants.rigid_body import RigidBody
 from plants.rigid_contact import RigidContact
 from plants.wheel_deformation import WheelDeformation
+from plants.wheel_drive import WheelDrive
 
 from .designs import DESIGNS, Context
 
-PLANTS: dict[str, type[Component]] = {c.__name__: c for c in (RigidBody, WheelDeformation, RigidContact, ChassisModal)}
-CONTROLLERS: dict[str, type[Component]] = {c.__name__: c for c in (Uncontrolled, PdImpact)}
-COMPONENTS = {**PLANTS, **CONTROLLERS}
+PLANTS: dict[str, type[Component]] = {
+    c.__name__: c for c in (RigidBody, WheelDeformation, RigidContact, ChassisModal, WheelDrive)
+}
+CONTROLLERS: dict[str, type[Component]] = {
+    c.__name__: c
+    for c in (
+        Uncontrolled,
+        OpenLoopTorque,
+        SlipControl,
+        Steered,
+        PdImpact,
+        PolePlacement,
+        PitchTrajectory,
+        Playback,
+        JerkTraction,
+        ForceProfile,
+    )
+}
+ELEMENTS: dict[str, type[Component]] = {c.__name__: c for c in (Sensor, Actuator)}  # what stands in connections
+COMPONENTS = {**PLANTS, **CONTROLLERS, **ELEMENTS}
 
 GROUNDS: dict[str, type] = {
     "flat": ground.Flat,
@@ -32,6 +61,7 @@ GROUNDS: dict[str, type] = {
     "half-sine": ground.HalfSine,
     "rough-road": ground.RoughRoad,
     "csv": ground.CsvProfile,
+    "pitch-manoeuvre": PitchManoeuvre,
 }
 
 
@@ -52,6 +82,20 @@ def component(type_name: str, parameters: dict[str, Any], where: str, context: C
         return COMPONENTS[type_name](**parameters)
     except Exception as error:
         raise ScenarioError(f"{where}: {error}") from error
+
+
+def fill(slot: Slot, where: str, more: dict[str, Any], context: Context | None = None) -> Component | str:
+    """Return the component that a *slot* asks for, *more* its parameters unless it gives them, or the path of its FMU.
+
+    Raises ScenarioError naming *where* it was asked for.
+    """
+    if slot.fmu is not None:
+        if slot.type is not None or slot.parameters():
+            raise ScenarioError(f"{where} names an fmu, so it cannot have a type or parameters beside it")
+        return slot.fmu
+    if slot.type is None:
+        raise ScenarioError(f"{where} needs a type of the catalog or the path of an fmu")
+    return component(slot.type, {**more, **slot.parameters()}, where, context)
 
 
 def profile(spec: Any, where: str) -> Any:

@@ -39,6 +39,7 @@ class Result:
     summary: Summary | None
     error: CosimError | None = None
     seconds: dict[str, float] = field(default_factory=dict)  # wall time of building, starting, running
+    provenance: dict[str, Any] = field(default_factory=dict)  # versions, FMU tokens, host
 
     @property
     def scenario(self) -> Scenario:
@@ -108,7 +109,7 @@ def execute(
     assembly = assemble(scenario)
     instances = instantiate(assembly, say)
     seconds = {"building": perf_counter() - clock}
-    record = Record()
+    record, made_of = Record(), provenance(instances)
     system = connect(assembly, instances)
     summary: Summary | None = None
     failure: CosimError | None = None
@@ -130,14 +131,14 @@ def execute(
     finally:
         seconds["running"] = perf_counter() - clock
         system.close()
-    return Result(assembly, record, judge(assembly, record), summary, failure, seconds)
+    return Result(assembly, record, judge(assembly, record), summary, failure, seconds, made_of)
 
 
 def judge(assembly: Assembly, record: Record) -> list[Metric]:
     """Return the verdict on what was recorded so far; empty before the first step."""
     if len(record) < 2:
         return []
-    return verdict(record.time, record.get, obstacle_start(assembly))
+    return verdict(record.time, record.get, obstacle_start(assembly), assembly.scenario.verdict)
 
 
 def provenance(instances: Mapping[str, Instance]) -> dict[str, Any]:
@@ -148,4 +149,9 @@ def provenance(instances: Mapping[str, Instance]) -> dict[str, Any]:
             found[package.replace("-", "_")] = version(package)
         except PackageNotFoundError:
             found[package.replace("-", "_")] = "not installed"
-    return {**found, **{f"token_{name}": getattr(instance, "token", "") for name, instance in instances.items()}}
+    return {**found, **{f"token_{name}": _token(instance) for name, instance in instances.items()}}
+
+
+def _token(instance: Instance) -> str:
+    """Return the hash of the sources that an FMU carries; empty for what is none."""
+    return str(getattr(getattr(instance, "archive", None), "token", ""))

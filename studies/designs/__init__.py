@@ -7,36 +7,24 @@ designed for another robot than the one it drives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from .context import Context, Design
+from .impact import pd_impact, pole_placement
+from .jerk import force_profile, jerk_traction
+from .pitch import pitch_trajectory
+from .playback import playback
+from .slip import open_loop_torque, slip_control, steered, wheel_drive
 
-from cosim import Component
-from plants.ground import Ground
-from plants.tables import Robot
+DESIGNS: dict[str, Design] = {
+    "PdImpact": pd_impact,
+    "PolePlacement": pole_placement,
+    "PitchTrajectory": pitch_trajectory,
+    "Playback": playback,
+    "JerkTraction": jerk_traction,
+    "ForceProfile": force_profile,
+    "OpenLoopTorque": open_loop_torque,
+    "SlipControl": slip_control,
+    "Steered": steered,
+    "WheelDrive": wheel_drive,
+}
 
-
-@dataclass(frozen=True)
-class Context:
-    """What a design may build on: the robot, the ground, the start, and the parts that need no design, by slot."""
-
-    robot: Robot
-    ground: Ground
-    x: float  # m, position of the centre of mass at the start
-    speed: float  # m/s
-    duration: float  # s
-    parts: Mapping[str, Component | str]
-
-    def wheels(self) -> Mapping[str, Any]:
-        """Return the parameters of the wheels by name; empty for a foreign FMU."""
-        wheels = self.parts.get("wheels")
-        return wheels.values if isinstance(wheels, Component) else {}
-
-    def believed(self, parameters: dict[str, Any]) -> Robot:
-        """Return the robot that a design believes in: takes ``robot`` out of the *parameters* and lays it over."""
-        return self.robot.with_changes(**parameters.pop("robot", {}))
-
-
-Design = Callable[[dict[str, Any], Context], Component]
-
-DESIGNS: dict[str, Design] = {}
+__all__ = ["DESIGNS", "Context", "Design"]

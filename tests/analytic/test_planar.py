@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from plants.planar import FOUR, FRONT, REAR, Bicycle, Posture
+from plants.planar import FRONT, REAR, Bicycle, Posture
 from plants.tables import robot
 
 ROBOT = robot("thesis_6_1")
@@ -124,18 +124,6 @@ def test_contact_is_lost_at_the_slopes_of_figure_4_4() -> None:
     assert CENTRE.contact_loss_slope(lambda slope: 0.0) == pytest.approx(1.210, abs=5e-4)
     weightless = Bicycle(ROBOT, "centre", g=-9.81)
     assert weightless.contact_loss_slope(lambda slope: 0.0) is None  # never on the ground, so nothing to lose
-
-
-@pytest.mark.parametrize(
-    ("bicycle", "forces"), [(CENTRE, (3126, 1913, 1379)), (GROUND, (2203, 1523, 1164))], ids=["centre", "ground"]
-)
-def test_rear_drive_unloads_the_front_last(bicycle: Bicycle, forces: tuple[float, ...]) -> None:
-    """Figure 4.5, slope 0.3 at 2 m/s: the traction at which the front axle unloads, rear > four-wheel > front drive."""
-    at = Posture(0.3)
-    twist = bicycle.climbing_twist(at, 2.0)
-    for drive, force in zip((REAR, FOUR, FRONT), forces, strict=True):
-        found = brentq(lambda F, drive=drive: bicycle.contact_forces(at, twist, F * drive)[1], 0, 1e4)
-        assert found == pytest.approx(force, abs=0.5)
 
 
 def test_open_loop_frequencies_of_table_6_1() -> None:

@@ -5,8 +5,7 @@ from math import pi
 import pytest
 
 from cosim import DeclarationError
-from cosim.component import rate_unit
-from cosim.units import parse
+from cosim.units import parse, rate_unit
 
 # exponents over kg, m, s, A, K, mol, cd, rad, from the SI brochure's definitions
 MEANINGS = {
