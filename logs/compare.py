@@ -1,104 +1,169 @@
 """Several runs in one log: each under its own root, differences against the first, one scene with all robots.
 
-The viewer shows one recording at a time, so what is to be overlaid has to be one recording.
+The viewer shows one recording at a time, so what is to be overlaid has to be one recording::
+
+    /<variant>/plant/...           outputs of up to WIDEST values (the rest and the inputs are in the run's own log)
+    /diff/<variant>/plant/...      B - A for each of them, if there are up to ALL_DIFFERENCES variants
+    /overlay/<panel>/<variant>     the curves one decides by, in units for reading
+    /overlay_diff/<panel>/<variant>  B - A for each of them
+    /world/...                     one ground, all robots;  /report  the verdict
+
+A difference is taken at the times of the first variant, the other interpolated there.
 """
 
 from __future__ import annotations
 
-import subprocess
-from collections.abc import Mapping
+import secrets
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import rerun as rr
-import rerun_cli
-from rerun.chunk import Chunk, LazyChunkStream, RrdReader
+from rerun.chunk import Chunk, RrdReader
 
 from cosim.errors import ScenarioError
 
-from .blueprint import comparison_blueprint
-from .read import signals
+from .blueprint import Camera, comparison_blueprint
+from .panels import PANELS
+from .ports import entity, scalars
+from .read import Signal, properties, signals
+from .scene import painted
+from .style import colour
 
 APPLICATION = "wmr_compare"
-_DIFFER = ("/plant/wheels/**", "/plant/body/**", "/plant/chassis/**")
+WIDEST = 4  # values of a port: a scalar, a vector, four wheels; not matrices and stations
+ALL_DIFFERENCES = 3  # variants: with more, the file would be large and hardly anybody look
 
 
-def combine(logs: Mapping[str, Path], out: Path, *, title: str = "", report: str = "") -> Path:
-    """Write the logs of several variants, by name, into one file with differences, a report and a blueprint.
+def combine(
+    logs: Mapping[str, Path],
+    out: Path,
+    *,
+    title: str = "",
+    report: str = "",
+    camera: Camera | None = None,
+) -> Path:
+    """Write the logs of several variants, by name, into one file with differences, a *report* and a blueprint.
 
-    Differences are taken at the times of the first variant (B - A, with B interpolated there), for every output.
+    *title* is what the comparison is about, *camera* looks at the scene, if there is one.
+    Raises ScenarioError if the file cannot be written.
     """
     variants = list(logs)
     base = _outputs(logs[variants[0]])
-    extra: list[Any] = []
-    for variant in variants[1:]:
-        extra += _differences(base, _outputs(logs[variant]), variant)
-    extra.append(
-        Chunk.from_columns("/report", [], rr.TextDocument.columns(text=[report], media_type=["text/markdown"]))
-    )
-    streams = [_under(path, variant, keep_ground=variant == variants[0]) for variant, path in logs.items()]
-    widths = {entity.removeprefix("/"): values.shape[1] for entity, (_, values) in base.items()}
-    with TemporaryDirectory(dir=out.parent) as folder:
-        data, blueprint = Path(folder) / "data.rrd", Path(folder) / "view.rbl"
-        LazyChunkStream.merge(*streams, LazyChunkStream.from_iter(extra)).write_rrd(
-            str(data), application_id=APPLICATION, recording_id=f"{out.stem}-{'-vs-'.join(variants)}"
-        )
-        comparison_blueprint(variants, widths).save(APPLICATION, str(blueprint))
-        merged = Path(folder) / "all.rrd"
-        run_cli("rrd", "merge", str(blueprint), str(data), "-o", str(merged))
-        merged.replace(out)
+    part = out.with_suffix(f".{secrets.token_hex(4)}.rrd.part")
+    recording = rr.RecordingStream(APPLICATION, recording_id=f"{out.stem}-{'-vs-'.join(variants)}")
+    try:
+        recording.save(str(part), default_blueprint=comparison_blueprint(variants, base, camera))
+        rr.set_log_time_enabled(False, recording=recording)
+        recording.send_recording_name(title or out.stem)
+        recording.send_property("compare", rr.AnyValues(variants=variants, title=title, base=variants[0]))
+        recording.log("report", rr.TextDocument(report, media_type="text/markdown"), static=True)
+        for number, (variant, path) in enumerate(logs.items()):
+            found = _outputs(path) if number else base
+            recording.send_chunks(_under(path, variant, found, keep_ground=not number))
+            recording.send_chunks(_overlaid(variant, number, found, base))
+            recording.send_chunks(_painted(path, variant, number))
+            recording.send_chunks(_properties(path, variant))
+            if number and len(variants) <= ALL_DIFFERENCES:
+                recording.send_chunks(_differences(base, found, variant))
+            recording.flush()
+        recording.disconnect()
+        part.replace(out)
+    except (OSError, RuntimeError) as error:
+        raise ScenarioError(f"cannot write the combined log {out}: {str(error).splitlines()[0]}") from None
+    finally:
+        part.unlink(missing_ok=True)
     return out
 
 
-def run_cli(*arguments: str) -> str:
-    """Run Rerun's own command line without its analytics; raises ScenarioError with what it said if it fails."""
-    binary = Path(rerun_cli.__file__).parent / "rerun"
-    done = subprocess.run(
-        [str(binary), *arguments], capture_output=True, text=True, env={"RERUN_ANALYTICS": "0", "PATH": ""}
-    )
-    if done.returncode:
-        raise ScenarioError(f"rerun {arguments[0]} {arguments[1]} failed: {done.stderr.strip().splitlines()[-1:]}")
-    return done.stdout
+def _outputs(path: Path) -> dict[str, Signal]:
+    return {port: s for port, s in signals(path, "/plant/**").items() if ".in." not in port}
 
 
-def _outputs(path: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    found = {}
-    for content in _DIFFER:
-        for port, signal in signals(path, content).items():
-            if ".in." not in port:
-                found[f"/plant/{port.replace('.', '/')}"] = (signal.ns, signal.values)
-    return found
+def _narrow(found: Mapping[str, Signal]) -> dict[str, Signal]:
+    return {port: s for port, s in found.items() if s.values.shape[1] <= WIDEST}
 
 
-def _differences(base: Mapping[str, Any], other: Mapping[str, Any], variant: str) -> list[Any]:
-    chunks = []
-    for entity, (ns, values) in base.items():
-        if entity not in other or other[entity][1].shape[1] != values.shape[1]:
+def _at(variant: str, rest: str) -> str:
+    """Return an entity below a variant's root, whatever characters its name has."""
+    return f"/{rr.escape_entity_path_part(variant)}{rest}"
+
+
+def _series(
+    ns: np.ndarray, values: np.ndarray, path: str, names: list[str], unit: str, meaning: str, **style: Any
+) -> Iterable[Chunk]:
+    """Yield the columns of one entity and what does not change about it."""
+    yield Chunk.from_columns(path, [rr.TimeColumn("sim_time", duration=ns.astype("timedelta64[ns]"))], scalars(values))
+    columns = rr.SeriesLines.columns(names=names, **style)
+    yield Chunk.from_columns(path, [], columns.partition([len(names)]))
+    yield Chunk.from_columns(path, [], rr.AnyValues.columns(signal_unit=[unit], meaning=[meaning]))
+
+
+def _difference(ns: np.ndarray, mine: np.ndarray, other: Signal, theirs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the times of A at which both runs were on, and B - A there, (n, width)."""
+    inside = (ns >= other.ns[0]) & (ns <= other.ns[-1])
+    there = np.column_stack([np.interp(ns[inside], other.ns, column) for column in theirs.T])
+    return ns[inside], there - mine[inside]
+
+
+def _differences(base: Mapping[str, Signal], other: Mapping[str, Signal], variant: str) -> Iterable[Chunk]:
+    for port, a in _narrow(base).items():
+        b = other.get(port)
+        if b is None or b.values.shape[1] != a.values.shape[1]:
             continue
-        theirs_ns, theirs = other[entity]
-        inside = (ns >= theirs_ns[0]) & (ns <= theirs_ns[-1])
-        there = np.column_stack([np.interp(ns[inside], theirs_ns, column) for column in theirs.T])
-        difference = there - values[inside]
-        index = [rr.TimeColumn("sim_time", duration=ns[inside].astype("timedelta64[ns]"))]
-        columns = rr.Scalars.columns(scalars=difference.ravel()).partition(np.full(len(difference), values.shape[1]))
-        chunks.append(Chunk.from_columns(f"/diff/{variant}{entity}", index, columns))
-    return chunks
+        ns, values = _difference(a.ns, a.values, b, b.values)
+        component, _, name = port.partition(".")
+        path = f"/diff{_at(variant, f'/plant/{component}/{name}')}"
+        meaning = f"{variant} minus the first variant: {a.meaning}"
+        yield from _series(ns, values, path, [f"{label} [{a.unit}]" for label in a.names], a.unit, meaning)
 
 
-def _under(path: Path, variant: str, *, keep_ground: bool) -> Any:
+def _overlaid(variant: str, number: int, found: Mapping[str, Signal], base: Mapping[str, Signal]) -> Iterable[Chunk]:
+    paint: dict[str, Any] = {"colors": [colour(number)], "widths": [1.5]}
+    for panel in PANELS:
+        curve = panel.read(lambda port: found[port].values if port in found else None)
+        if curve is None:
+            continue
+        of = found[panel.port]
+        about: tuple[list[str], str, str] = ([variant], panel.unit, panel.title)
+        yield from _series(of.ns, curve[:, None], f"/overlay/{panel.key}{_at(variant, '')}", *about, **paint)
+        first = panel.read(lambda port: base[port].values if port in base else None)
+        if number and first is not None:
+            ns, values = _difference(base[panel.port].ns, first[:, None], of, curve[:, None])
+            yield from _series(ns, values, f"/overlay_diff/{panel.key}{_at(variant, '')}", *about, **paint)
+
+
+def _painted(path: Path, variant: str, number: int) -> Iterable[Chunk]:
+    drawn = {c.entity_path.removeprefix("/world/") for c in RrdReader(str(path)).stream().filter(content="/world/**")}
+    for place, columns in painted(colour(number), ghost=number > 0).items():
+        if place in drawn:
+            yield Chunk.from_columns(f"/world{_at(variant, '/' + place)}", [], columns)
+
+
+def _properties(path: Path, variant: str) -> Iterable[Chunk]:
+    for title, table in properties(path).items():
+        known = {k: v for k, v in table.items() if v is not None and ":" not in k}
+        if known:
+            yield Chunk.from_property(f"{variant} {title}", rr.AnyValues(**known))
+
+
+def _under(path: Path, variant: str, found: Mapping[str, Signal], *, keep_ground: bool) -> Any:
     """Return a log's chunks below its variant; the scenes are put together below one ``/world``."""
-    stream = RrdReader(str(path)).stream().drop(content="/__properties/**")
+    stream = RrdReader(str(path)).stream().drop(content="/__properties/**").drop(content="/report")
+    for component in {port.partition(".")[0] for port in found}:
+        stream = stream.drop(content=f"/plant/{component}/in/**")
+    for port in found.keys() - _narrow(found).keys():
+        stream = stream.drop(content=f"/{entity(port)}")
     if not keep_ground:
         stream = stream.drop(content="/world/ground/**")
 
     def move(chunk: Any) -> Any:
-        entity = chunk.entity_path
-        if entity == "/world" or entity.startswith("/world/ground"):
+        place = chunk.entity_path
+        if place == "/world" or place.startswith("/world/ground"):
             return chunk
-        if entity.startswith("/world/"):
-            return chunk.with_entity_path(f"/world/{variant}{entity.removeprefix('/world')}")
-        return chunk.with_entity_path(f"/{variant}{entity}")
+        if place.startswith("/world/"):
+            return chunk.with_entity_path(f"/world{_at(variant, place.removeprefix('/world'))}")
+        return chunk.with_entity_path(_at(variant, place))
 
     return stream.map(move)

@@ -15,22 +15,40 @@ from cosim.errors import ScenarioError
 
 from .read import Signal, properties, signals, texts
 
+_UNITS = "metric_units"
+
 
 def describe(path: Path, patterns: list[str] | None = None) -> dict[str, Any]:
     """Return properties, events and statistics of the signals that match any of *patterns* (all, if none are given).
 
-    Keys: ``properties``; ``events`` as (s, text); ``ports``: all names; ``signals``: by port unit, width, rows, min,
-    max, mean and rms over all values.
+    Keys: ``status`` (complete, failed, interrupted; unfinished if it was killed or is still written; comparison);
+    ``properties``; ``units`` of the verdict; ``events`` as (s, text); ``ports``: all names; ``signals``: by port unit,
+    width, rows, min, max, mean and rms over all values.
     """
+    tables = properties(path)
+    units = {
+        title.replace(_UNITS, "metrics"): dict(zip(table["metric"], table["unit"], strict=True))
+        for title, table in tables.items()
+        if title.endswith(_UNITS)
+    }
     found = signals(path)
     chosen = {p: s for p, s in found.items() if not patterns or any(fnmatch.fnmatch(p, q) for q in patterns)}
     return {
         "path": str(path),
-        "properties": properties(path),
+        "status": _status(tables),
+        "properties": {t: table for t, table in tables.items() if not t.endswith(_UNITS)},
+        "units": units,
         "events": [(ns * 1e-9, text) for ns, text in texts(path, "/events/**")],
         "ports": list(found),
         "signals": {port: _statistics(signal) for port, signal in chosen.items()},
     }
+
+
+def _status(tables: dict[str, dict[str, Any]]) -> str:
+    outcome = tables.get("outcome", {})
+    if "compare" in tables:
+        return "comparison"
+    return str(outcome["status"]) if outcome else "unfinished (killed, or still being written)"
 
 
 def _statistics(signal: Signal) -> dict[str, Any]:

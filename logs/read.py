@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,8 @@ import xarray
 from rerun.chunk import RrdReader
 
 from cosim.errors import ScenarioError, nearest
+
+from .ports import EXACT
 
 _SCALARS = "Scalars:scalars"
 
@@ -26,13 +30,16 @@ class Signal:
     names: list[str]
     unit: str
     meaning: str
+    shape: tuple[int, ...] = ()  # of the port; its values are row-major
 
 
 def _open(path: Path) -> Any:
     if not path.is_file():
         raise ScenarioError(f"there is no log {path}")
     try:
-        reader = RrdReader(str(path))
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "RRD file has no footer")  # it is unfinished, which the reader copes with
+            reader = RrdReader(str(path))
         if not reader.recordings():
             raise ScenarioError(f"{path} is not a Rerun log, or it is empty")
         return reader
@@ -46,7 +53,7 @@ def properties(path: Path) -> dict[str, dict[str, Any]]:
     """Return the tables of properties of a log, such as ``run``, ``provenance``, ``outcome``, ``metrics``."""
     found: dict[str, dict[str, Any]] = {}
     for entity, values in _statics(path, "/__properties/**").items():
-        title = entity.removeprefix("/__properties").strip("/")
+        title = re.sub(r"\\(.)", r"\1", entity.removeprefix("/__properties").strip("/"))
         if title:
             found[title] = values
     return found
@@ -83,11 +90,36 @@ def signals(path: Path, content: str = "/**") -> dict[str, Signal]:
         facts = described.get(entity, {})
         names = facts.get("signal_name", facts.get("SeriesLines:names", []))
         names = [names] if isinstance(names, str) else list(names)
-        port = entity.strip("/").removeprefix("plant/").replace("/", ".")
-        found[port] = Signal(
-            port, ns[order], values, names, str(facts.get("signal_unit", "1")), str(facts.get("meaning", ""))
-        )
+        port = _port(entity)
+        unit, meaning = str(facts.get("signal_unit", "1")), str(facts.get("meaning", ""))
+        found[port] = Signal(port, ns[order], values, names, unit, meaning, _shape(facts.get("signal_shape", 0)))
     return dict(sorted(found.items()))
+
+
+def _shape(extents: int | list[int]) -> tuple[int, ...]:
+    """Return the shape of a port as it is logged: an empty one as 0."""
+    found = (extents,) if isinstance(extents, int) else tuple(extents)
+    return () if found == (0,) else found
+
+
+def others(path: Path) -> dict[str, tuple[np.ndarray, list[Any]]]:
+    """Return the ports that are not Float64 by name: times in ns, and their values as logged (a list per row)."""
+    rows: dict[str, list[tuple[int, Any]]] = {}
+    for chunk in _open(path).stream().filter(content="/plant/**", is_static=False):
+        batch = chunk.to_record_batch()
+        for name in batch.schema.names:
+            if name.startswith(EXACT):
+                ns = batch.column("sim_time").cast(pa.int64()).to_pylist()
+                rows.setdefault(_port(chunk.entity_path), []).extend(
+                    zip(ns, batch.column(name).to_pylist(), strict=True)
+                )
+    ordered = {port: sorted(found, key=lambda row: row[0]) for port, found in rows.items()}
+    return {port: (np.array([t for t, _ in found]), [v for _, v in found]) for port, found in ordered.items()}
+
+
+def _port(entity: str) -> str:
+    """Return the name of an entity with dots between its parts, and without the backslashes of odd characters."""
+    return re.sub(r"\\(.)|/", lambda m: m[1] or ".", entity.strip("/").removeprefix("plant/"))
 
 
 def texts(path: Path, content: str) -> list[tuple[int, str]]:

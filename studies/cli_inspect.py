@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json as jsonlib
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from cosim.errors import ScenarioError, nearest
 
-console = Console(highlight=False)
+from .present import number, say_table
+from .terminal import listing, out, plain, print_json, progress
 
 
 def inspect(
@@ -31,50 +30,68 @@ def inspect(
     """
     from logs.inspect import describe, export
 
-    facts = describe(log, _patterns(signals))
-    if signals and not facts["signals"]:
-        raise ScenarioError(f"the log {log} has no signal like {signals!r}; {nearest(signals, facts['ports'])}")
-    for out in (csv, parquet):
-        if out is not None:
-            export(log, out, list(facts["signals"]))
+    with progress(json) as bar:
+        bar(f"reading {log}")
+        facts = describe(log, _patterns(signals))
+        if signals and not facts["signals"]:
+            raise ScenarioError(f"the log {log} has no signal like {signals!r}; {nearest(signals, facts['ports'])}")
+        for file in (csv, parquet):
+            if file is not None:
+                bar(f"writing {file}")
+                export(log, file, list(facts["signals"]))
     if json:
-        print(jsonlib.dumps(facts, default=float))
+        print_json(facts)
         return
-    _show_facts(facts)
+    _show_facts(facts, only_verdict=metrics)
     if not metrics:
         _show_signals(facts["signals"])
-    for out in (csv, parquet):
-        if out is not None:
-            console.print(f"wrote {out}", soft_wrap=True)
+    for file in (csv, parquet):
+        if file is not None:
+            out().print(f"wrote {plain(str(file))}", soft_wrap=True)
 
 
 def _patterns(signals: str | None) -> list[str]:
     return [p.strip() for p in signals.split(",")] if signals else []
 
 
-def _show_facts(facts: dict[str, Any]) -> None:
-    for title in ("run", "outcome", "provenance"):
-        table = facts["properties"].get(title, {})
-        shown = Table(title=title, title_justify="left", show_header=False, box=None, padding=(0, 2))
-        for key, value in table.items():
-            if key != "config_json":
-                shown.add_row(key, str(value).replace("[", "\\["))
-        if table:
-            console.print(shown)
-    verdict = facts["properties"].get("metrics", {})
+def _show_facts(facts: dict[str, Any], *, only_verdict: bool) -> None:
+    console, tables = out(), facts["properties"]
+    console.print(f"{plain(facts['path'])}: [bold]{facts['status']}[/bold]", soft_wrap=True)
+    if "compare" in tables:  # what the runs are is in their own logs, and in --json
+        console.print(listing("compare", {k: str(v) for k, v in tables["compare"].items()}))
+        _show_verdicts(facts, list(tables["compare"]["variants"]))
+        return
+    if not only_verdict:
+        for title, table in tables.items():
+            if title != "metrics":
+                console.print(listing(title, {k: str(v) for k, v in table.items() if k != "config_json"}))
+    units = _spelt(facts["units"].get("metrics", {}))
+    verdict = {k: f"{number(v)} {units.get(k, '')}".strip() for k, v in tables.get("metrics", {}).items()}
     if verdict:
-        shown = Table(
-            title="verdict (SI units as in compare)", title_justify="left", show_header=False, box=None, padding=(0, 2)
-        )
-        for key, value in verdict.items():
-            shown.add_row(key, f"{value:.5g}")
-        console.print(shown)
-    for time, text in facts["events"]:
-        console.print(f"{time:.9f} s  {text}")
+        console.print(listing("verdict", verdict))
+    for time, text in facts["events"] if not only_verdict else ():
+        console.print(f"{time:.9f} s  {plain(text)}", soft_wrap=True)
+
+
+def _show_verdicts(facts: dict[str, Any], variants: list[str]) -> None:
+    columns = {v: facts["properties"].get(f"{v} metrics", {}) for v in variants}
+    units = _spelt(facts["units"].get(f"{variants[0]} metrics", {}))
+    keys = dict.fromkeys(key for column in columns.values() for key in column)
+    rows = [(key, {v: column.get(key) for v, column in columns.items()}) for key in keys]
+    say_table([{"label": k, "unit": units.get(k, ""), "best": [], "values": v} for k, v in rows], variants)
+
+
+def _spelt(units: dict[str, str]) -> dict[str, str]:
+    return {key: "" if unit == "1" else unit for key, unit in units.items()}
 
 
 def _show_signals(statistics: dict[str, dict[str, Any]]) -> None:
-    shown = Table("signal", "unit", "values", "min", "max", "mean", "rms", box=None, padding=(0, 1))
+    shown = Table(box=None, padding=(0, 1), header_style="bold")
+    for name in ("signal", "unit"):
+        shown.add_column(name, no_wrap=True)
+    for name in ("values", "rows", "min", "max", "mean", "rms"):
+        shown.add_column(name, justify="right", no_wrap=True)
     for port, s in statistics.items():
-        shown.add_row(port, s["unit"], str(s["width"]), *(f"{s[k]:.4g}" for k in ("min", "max", "mean", "rms")))
-    console.print(shown)
+        shown.add_row(plain(port), s["unit"], str(s["width"]), str(s["rows"]),
+                      *(f"{s[k]:.4g}" for k in ("min", "max", "mean", "rms")))  # fmt: skip
+    out().print(shown)

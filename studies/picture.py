@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import secrets
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -12,63 +13,70 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from logs.panels import DECISIVE, PANELS, Panel
+from logs.style import colour
+
 if TYPE_CHECKING:
     from .runner import Result
 
-COLOURS = ("#1f78d1", "#f08020", "#2a9d4a", "#a83ec4", "#c0392b", "#7f6a55")  # variant A blue, B orange, ...
-
-# title, unit, what is drawn (n,) from the signals of a run
-Panel = tuple[str, str, Callable[["Result"], "np.ndarray | None"]]
-
-
-def _port(name: str, column: int | slice | None = None, scale: float = 1.0) -> Callable[[Result], np.ndarray | None]:
-    def read(result: Result) -> np.ndarray | None:
-        values = result.signal(name)
-        if values is None:
-            return None
-        picked = values if column is None else values[:, column]
-        return scale * (picked.sum(axis=1) if isinstance(column, slice) else picked)
-
-    return read
+PER_ROW = 4  # variants in a row of the legend
+APART = 10.0  # a peak so many times the median of all would flatten the other curves
+NOISY = 0.6  # line width of a panel that would be one block of colour
+SPELLING = {"m/s2": "m/s²"}
 
 
-PANELS: tuple[Panel, ...] = (
-    ("normal force, front axle", "N", _port("wheels.normal_force", slice(0, 2))),
-    ("normal force, rear axle", "N", _port("wheels.normal_force", slice(2, 4))),
-    ("deformation, front left (below 0: pressed)", "mm", _port("wheels.deformation", 0, 1e3)),
-    ("traction, rear axle", "N", _port("wheels.traction", slice(2, 4))),
-    ("vertical speed of the centre of mass", "m/s", _port("body.velocity", 2)),
-    ("pitch (nose up)", "deg", _port("body.pitch", None, 180 / np.pi)),
-    ("forward speed", "m/s", _port("body.velocity_body", 0)),
-    ("acceleration at station 1", "m/s²", _port("chassis.acceleration", 0)),
-)
+def drawable(results: list[Result]) -> bool:
+    """Return whether any of the runs has a signal that a panel shows."""
+    return any(p.read(r.signal) is not None for p in PANELS for r in results)
 
 
 def draw(results: list[Result], path: Path) -> Path:
-    """Draw all panels that any of the runs has signals for; returns the path of the PNG."""
-    present = [p for p in PANELS if any(p[2](r) is not None for r in results)]
-    rows = -(-len(present) // 2)
-    figure, axes = plt.subplots(rows, 2, figsize=(14, 2.6 * rows), sharex=True, layout="constrained", squeeze=False)
-    for axis, (title, unit, read) in zip(axes.flat, present, strict=False):
-        for result, colour in zip(results, COLOURS, strict=False):
-            values = read(result)
-            if values is not None:
-                axis.plot(
-                    result.record.time, values, color=colour, linewidth=1.1, alpha=0.85, label=result.scenario.variant
-                )
-        axis.set_title(title, fontsize=10, loc="left")
-        axis.set_ylabel(unit)
-        axis.grid(alpha=0.3)
-        axis.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4))
-    for axis in axes.flat[len(present) :]:
+    """Draw all panels that any of the runs has signals for, the decisive ones first; returns the path of the PNG."""
+    shown = [p for p in PANELS if any(p.read(r.signal) is not None for r in results)]
+    rows = max(1, -(-len(shown) // 2))
+    figure, axes = plt.subplots(
+        rows, 2, figsize=(14, 2.3 * rows + 0.8), sharex=True, layout="constrained", squeeze=False
+    )
+    for axis, panel in zip(axes.flat, shown, strict=False):
+        _draw_panel(axis, panel, results)
+    for axis in axes.flat[len(shown) :]:
         axis.set_visible(False)
     for axis in axes[-1]:
         axis.set_xlabel("time / s")
     handles, labels = axes.flat[0].get_legend_handles_labels()
     if len(labels) > 1:
-        figure.legend(handles, labels, loc="outside upper right", ncols=len(labels), frameon=False)
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), PER_ROW), frameon=False)
     scenario = results[0].scenario
     figure.suptitle(f"{scenario.name}: {scenario.title}", x=0.01, ha="left", fontsize=12)
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    part = path.with_suffix(f".{secrets.token_hex(4)}.png.part")
+    try:
+        figure.savefig(part, dpi=100, format="png")
+        os.replace(part, path)
+    finally:
+        plt.close(figure)
+        part.unlink(missing_ok=True)
     return path
+
+
+def _draw_panel(axis: Any, panel: Panel, results: list[Result]) -> None:
+    """Draw one quantity of all runs: the first on top, since the others are compared to it."""
+    width = 1.2 if panel in DECISIVE or panel.port != "chassis.acceleration" else NOISY
+    peaks: list[float] = []
+    for i, result in enumerate(results):
+        values = panel.read(result.signal)
+        if values is not None:
+            tint = np.array(colour(i)) / 255
+            axis.plot(result.record.time, values, color=tint, linewidth=width, alpha=0.9, label=result.scenario.variant)
+            peaks.append(float(np.max(np.abs(values))))
+    usual = float(np.median([p for p in peaks if p > 0] or [0.0]))
+    wide = max(peaks) > APART * usual
+    if wide:
+        axis.set_yscale("symlog", linthresh=usual)
+    axis.set_title(
+        panel.title + (f"; logarithmic beyond {usual:.2g} {panel.unit}" if wide else ""), fontsize=10, loc="left"
+    )
+    axis.set_ylabel(SPELLING.get(panel.unit, panel.unit))
+    axis.grid(alpha=0.3)
+    axis.margins(x=0.01)
+    if not wide:
+        axis.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from cosim.errors import ScenarioError
 
@@ -19,9 +20,8 @@ def run_folder(chosen: Path | None = None) -> Path:
     folder = chosen or (root / "logs" / "runs" if root else Path("runs"))
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".writable"
-        probe.touch()
-        probe.unlink()
+        with TemporaryFile(dir=folder):  # of nobody's name: another run may try the same at the same time
+            pass
     except OSError as error:
         raise ScenarioError(
             f"cannot write to the folder {folder}: {error.strerror}; choose another with --out"

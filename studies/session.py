@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -13,25 +11,30 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from cosim.errors import ScenarioError
 from cosim.instance import Instance
 from cosim.observer import Observer, Point, RunInfo, Summary
 from cosim.record import Record
 from cosim.scenario import Scenario
-from logs.blueprint import run_blueprint
+from logs.blueprint import Camera, run_blueprint
 from logs.compare import combine
+from logs.ports import chosen
 from logs.recorder import RerunRecorder
 from logs.scene import Scene
+from plants.tables import G
 
 from .assembly import Assembly
 from .catalog import find_scenario
 from .metrics import as_mapping, markdown, table
-from .picture import draw
+from .picture import draw, drawable
 from .places import run_folder
-from .runner import Result, execute, judge, provenance
+from .runner import Result, execute, judge, obstacle_start, provenance
+from .terminal import SILENT, Bar, progress
+
+FAR = 3.0  # m of way, beyond which a camera that stands still sees the robot leave
+FRAMES = 500  # of the scene, at most
+FORCE_ARROW = 3.0  # radii of a wheel: how long the arrow of a quarter of the weight is
 
 
 @dataclass
@@ -49,6 +52,7 @@ class Comparison:
     runs: list[Done]
     combined: Path | None
     picture: Path | None
+    report: Path | None = None
 
 
 def run_one(
@@ -58,8 +62,8 @@ def run_one(
     file = find_scenario(name)
     scenario = file.load(variant, file.overrides(changes))
     folder = run_folder(out) if log else None
-    with _progress(quiet) as bar:
-        return _run(scenario, folder, bar)
+    with progress(quiet) as bar:
+        return run_scenario(scenario, folder, bar)
 
 
 def compare(
@@ -69,18 +73,22 @@ def compare(
     out: Path | None,
     *,
     log: bool = True,
+    report: Path | None = None,
     quiet: bool = False,
 ) -> Comparison:
-    """Run several variants of a scenario (all, if none are named), combine their logs and draw the picture."""
+    """Run several variants of a scenario (all, if none are named), combine their logs and draw the picture.
+
+    *report* is where the HTML report goes, if there is to be one.
+    """
     file = find_scenario(name)
-    names = variants or tuple(file.variants)
+    names = tuple(dict.fromkeys(variants or file.variants))
     if not names:
         raise ScenarioError(f"{file.path} has no variants to compare; add [variants.NAME] tables, or use run")
     overrides = file.overrides(changes)
     scenarios = [file.load(v, overrides) for v in names]  # all are read before the first is run
     folder = run_folder(out)
-    with _progress(quiet) as bar:
-        runs = [_run(s, folder if log else None, bar) for s in scenarios]
+    with progress(quiet) as bar:
+        runs = [run_scenario(s, folder if log else None, bar) for s in scenarios]
         kept = [r for r in runs if r.result.metrics]
         combined = None
         logs = {r.result.scenario.variant: r.log for r in kept if r.log is not None}
@@ -88,9 +96,18 @@ def compare(
             bar("combining the logs")
             combined = folder / f"{_stem(scenarios[0], '')}-all.rrd"
             text = markdown(scenarios[0], table({r.result.scenario.variant: r.result.metrics for r in kept}))
-            combine(logs, combined, title=scenarios[0].title, report=text)
-        picture = draw([r.result for r in kept], folder / f"{scenarios[0].name}.png") if kept else None
-    return Comparison(runs, combined, picture)
+            camera = _camera(kept[0].result.assembly)
+            combine(logs, combined, title=scenarios[0].title, report=text, camera=camera)
+        picture = None
+        if drawable(results := [r.result for r in kept]):
+            bar("drawing the picture")
+            picture = draw(results, folder / f"{scenarios[0].name}.png")
+        if report is not None and results:
+            from .report import write_report  # Plotly takes a while to import
+
+            bar("writing the report")
+            write_report(results, report, " ".join(["wmr-cosim", *sys.argv[1:]]))
+    return Comparison(runs, combined, picture, report if results else None)
 
 
 class _Watcher(Observer):
@@ -110,37 +127,20 @@ class _Watcher(Observer):
         self.bar(self.label, 1.0)
 
 
-class Bar:
-    """A progress bar where there is a terminal, silence where there is none."""
-
-    def __init__(self, progress: Progress | None) -> None:
-        self.progress = progress
-        self.task = progress.add_task("", total=1.0) if progress else None
-
-    def __call__(self, label: str, share: float | None = None) -> None:
-        if self.progress is not None and self.task is not None:
-            self.progress.update(self.task, description=label, completed=share or 0.0)
-
-
-@contextmanager
-def _progress(quiet: bool) -> Iterator[Bar]:
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield Bar(None)
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
-        yield Bar(progress)
-
-
-def _run(scenario: Scenario, folder: Path | None, bar: Bar) -> Done:
+def run_scenario(scenario: Scenario, folder: Path | None, bar: Bar = SILENT) -> Done:
+    """Run a scenario as it is, with its log in *folder*; None: without a log."""
     label = f"{scenario.name} {scenario.variant}".strip()
     path = folder / f"{_stem(scenario, scenario.variant)}.rrd" if folder else None
 
-    def observers(assembly: Assembly, instances: dict[str, Instance], record: Record) -> list[Observer]:
-        return [_Watcher(bar, label), *([log_observer(assembly, path, instances, record)] if path else [])]
+    loggers: list[RerunRecorder] = []
 
-    return Done(execute(scenario, observers, lambda text: bar(f"{label}: {text}")), path)
+    def observers(assembly: Assembly, instances: dict[str, Instance], record: Record) -> list[Observer]:
+        if path is not None:
+            loggers.append(log_observer(assembly, path, instances, record))
+        return [_Watcher(bar, label), *loggers]
+
+    result = execute(scenario, observers, lambda text: bar(f"{label}: {text}"))
+    return Done(result, loggers[0].file if loggers else None)
 
 
 def log_observer(assembly: Assembly, path: Path, instances: dict[str, Instance], record: Record) -> RerunRecorder:
@@ -149,6 +149,13 @@ def log_observer(assembly: Assembly, path: Path, instances: dict[str, Instance],
     config = json.dumps(scenario.model_dump(mode="json"), sort_keys=True)
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%S.%f")[:-3]
     label = f"{scenario.name} {scenario.variant}".strip()
+
+    def closing() -> tuple[dict[str, dict[str, Any]], str]:
+        rows = judge(assembly, record)
+        report = markdown(scenario, table({scenario.variant or "value": rows})) if rows else ""
+        units = {"metric": [m.key for m in rows], "unit": [m.unit for m in rows]}
+        return {"metrics": as_mapping(rows), "metric_units": units}, report
+
     properties: dict[str, dict[str, Any]] = {
         "run": {
             "scenario": scenario.name, "variant": scenario.variant, "title": scenario.title, "claim": scenario.claim,
@@ -163,28 +170,45 @@ def log_observer(assembly: Assembly, path: Path, instances: dict[str, Instance],
         f"{stamp}-{scenario.name}-{scenario.variant or 'run'}-{properties['run']['config_hash'][:8]}",
         name=label,
         properties=properties,
-        blueprint=run_blueprint(has_chassis="chassis" in assembly.components),
+        blueprint=run_blueprint(chosen(instances, scenario.run.signals), _camera(assembly)),
         scene=_scene(assembly),
         health=_gap_mismatch(instances),
-        closing=lambda: {"metrics": as_mapping(judge(assembly, record))},
+        closing=closing,
         signals=scenario.run.signals,
     )
 
 
 def _stem(scenario: Scenario, variant: str) -> str:
-    return f"{scenario.name}-{variant}" if variant else scenario.name
+    return (f"{scenario.name}-{variant}" if variant else scenario.name).replace("/", "-")
+
+
+def _camera(assembly: Assembly) -> Camera | None:
+    """Return who looks at the foot of the obstacle, or goes along where the way is long; None: there is no scene."""
+    if assembly.robot is None or assembly.ground is None:
+        return None
+    bot, obstacle = assembly.robot, obstacle_start(assembly)
+    start, speed = _departure(assembly)
+    follow = abs(speed) * assembly.scenario.run.duration > FAR
+    x = start + bot.L_f if obstacle is None else obstacle
+    return Camera((start if follow else x, 0.0, 0.6 * bot.h), follow)
+
+
+def _departure(assembly: Assembly) -> tuple[float, float]:
+    """Return where the body starts, in m, and how fast, in m/s."""
+    r, v = (assembly.starts.get(f"body.{name}") for name in ("r", "v"))
+    return float(r[0]) if r is not None else 0.0, float(v[0]) if v is not None else 0.0
 
 
 def _scene(assembly: Assembly) -> Scene | None:
     if assembly.robot is None or assembly.ground is None:
         return None
     bot, run = assembly.robot, assembly.scenario.run
-    start = float(assembly.starts["body.r"][0]) if "body.r" in assembly.starts else 0.0
-    speed = float(assembly.starts["body.v"][0]) if "body.v" in assembly.starts else 0.0
+    start, speed = _departure(assembly)
     reach = abs(speed) * run.duration + bot.L_f + 0.8
     x = np.arange(start - bot.L_r - 0.8, start + reach, 0.01)
     left, right = (np.column_stack([x, track.elevation(x)]) for track in (assembly.ground.left, assembly.ground.right))
-    return Scene(bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, left, right, interval=max(2e-3, run.duration / 500))
+    scale = FORCE_ARROW * bot.R / (bot.m * G / 4)
+    return Scene(bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, left, right, scale, max(2e-3, run.duration / FRAMES))
 
 
 def _gap_mismatch(instances: dict[str, Instance]) -> Any:

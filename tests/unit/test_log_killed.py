@@ -1,0 +1,102 @@
+"""What a log holds when the process or the disk ends before the run does."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from logs.inspect import describe
+from logs.read import signals
+
+ROOT = Path(__file__).parents[2]
+
+# A run in a process of its own: two components, steps of 1 ms, chunks of 50; what happens at point 180 is filled in.
+RUN = """
+import os, resource, signal, sys, time
+from pathlib import Path
+sys.path[:0] = [{root!r}, {tests!r}]
+from toys import Gain, Watch
+from cosim import Jacobi, Observer, System, run
+from logs.recorder import RerunRecorder
+
+class At(Observer):
+    def accepted(self, point):
+        if point.number == 180:
+            {act}
+
+system = System({{"a": Watch().instance(), "g": Gain().instance()}}, {{"a.u": "a.y"}})
+run(system, Jacobi(), step=1_000_000, stop={steps} * 1_000_000,
+    observers=[RerunRecorder(Path({path!r}), "killed", chunk=50), At()])
+"""
+
+
+def in_a_process(path: Path, act: str, steps: int = 1000) -> subprocess.CompletedProcess[str]:
+    text = RUN.format(root=str(ROOT), tests=str(ROOT / "tests"), act=act, path=str(path), steps=steps)
+    return subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=60, check=False)
+
+
+@pytest.mark.parametrize("act", ["os.kill(os.getpid(), signal.SIGKILL)", "os._exit(3)"])
+def test_everything_up_to_the_last_flushed_chunk_survives(tmp_path: Path, act: str) -> None:
+    path = tmp_path / "killed.rrd"
+    done = in_a_process(path, act)
+    assert done.returncode in (-signal.SIGKILL, 3), done.stderr
+    (part,) = tmp_path.iterdir()
+    assert part.name.endswith(".rrd.part")
+    found = signals(part)
+    # points 0 to 180 were accepted; chunks of 50 were full at 49, 99, 149: 150 points, of every signal
+    for port, signal_ in found.items():
+        np.testing.assert_array_equal(signal_.ns, np.arange(150) * 1_000_000, err_msg=port)
+    np.testing.assert_array_equal(found["a.y"].values[:, 0], np.arange(150) / 1000)
+    assert describe(part)["status"] == "unfinished (killed, or still being written)"
+
+
+def test_a_full_disk_ends_the_run_with_a_sentence(tmp_path: Path) -> None:
+    """The file may not grow beyond what it is at point 180: the next chunk cannot be written."""
+    path = tmp_path / "full.rrd"
+    size = f"max(p.stat().st_size for p in Path({str(tmp_path)!r}).iterdir())"
+    done = in_a_process(path, f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size},) * 2)", steps=5000)
+    assert done.returncode == 1
+    assert "ScenarioError: the log " in done.stderr
+    assert "cannot be written any further" in done.stderr
+    assert "is the disk full?" in done.stderr
+    assert not path.exists()  # never called complete
+    (part,) = tmp_path.iterdir()
+    assert len(signals(part)["a.y"].ns) >= 150
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_command_can_be_told_to_end(tmp_path: Path, number: signal.Signals) -> None:
+    """The log is closed and says so, and so does the command."""
+    scenario = ROOT / "studies" / "ramp-impact.toml"
+    command = [sys.executable, "-m", "studies.cli", "run", str(scenario), "--duration", "50", "--out", str(tmp_path)]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        wait_for_rows(tmp_path, process)
+        process.send_signal(number)
+        _, stderr = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 128 + number, stderr
+    assert stderr.strip() == "error: stopped; a log that was begun holds what was computed up to here, and says so"
+    (log,) = tmp_path.iterdir()
+    facts = describe(log, ["body.pitch"])
+    assert facts["status"] == "interrupted"
+    assert log.suffix == ".rrd"
+    assert facts["signals"]["body.pitch"]["rows"] > 1000
+
+
+def wait_for_rows(folder: Path, process: subprocess.Popen[str]) -> None:
+    """Return when a part has grown beyond its first chunk."""
+    for _ in range(600):
+        assert process.poll() is None, process.communicate()
+        if any(os.stat(p).st_size > 5_000_000 for p in folder.glob("*.part")):
+            return
+        time.sleep(0.05)
+    raise AssertionError("the run wrote nothing within 30 s")
