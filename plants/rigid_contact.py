@@ -11,7 +11,7 @@ of the step and the velocities at its end solve
 
 ``given`` is the restitution of an impact, once no wheel closes any more: e times the impulses since the first one did,
 or less where that would give back more than e^2 of the energy they took.  Where the same wheels push throughout that
-is 0 <= Lam _|_ P Lam + (1 + e) v >= 0.  F_a and F_l are the friction of `wheel_deformation` under F_n = Lam / h; b_free
+is 0 <= Lam _|_ P Lam + (1 + e) v >= 0.  F_a and F_l are the friction of `wheels` under F_n = Lam / h; b_free
 knows the lateral forces of the step before, F_l-.
 """
 
@@ -21,50 +21,36 @@ from typing import Any
 
 import casadi as ca
 
-from cosim import Component, input, output, parameter, state, structural
+from cosim import input, parameter, state
 
 from .lcp import solve_lcp
-from .wheel_deformation import asked_aside, friction
+from .wheels import Wheels, asked_aside, friction
 
 _RESTING = 2  # an approach no faster than this many steps of free fall is no impact: a contact at rest does not chatter
 _NOTHING = 1e-30  # J, keeps a quotient of zeros at zero
 _SPLIT = 1e-5  # least eps over |P|: left and right share a load evenly, rounding in the gaps moves less than 1e-3 N
 
 
-class RigidContact(Component):
-    """Four rigid wheels, stepped in velocities: the ports of `WheelDeformation`, so that either fits in its place.
+class RigidContact(Wheels):
+    """Four rigid wheels, stepped in velocities.
 
-    Wheels in the order front-left, front-right, rear-left, rear-right.  The body spreads an impulse over the step, so a
-    contact that closes at a speed v sinks in by h v / 2 during its impact, wherever in a step it lands.  Undoing that
-    within a step (a target of -gap / h) would throw the body back at v / 2, even from a plastic impact.  The contacts
-    rise instead with the velocity from which ``recovery`` brings them to rest at the surface, all with the same factor,
-    which keeps the wheels of a rigid body compatible.
+    Normal forces are known in the mean only; ``deformation`` is the gap at the start of the step.
+
+    The body spreads an impulse over the step, so a contact that closes at a speed v sinks in by h v / 2 during its
+    impact, wherever in a step it lands.  Undoing that within a step (a target of -gap / h) would throw the body back at
+    v / 2, even from a plastic impact.  The contacts rise instead with the velocity from which ``recovery`` brings them
+    to rest at the surface, all with the same factor, which keeps the wheels of a rigid body compatible.
 
     Sideslip is held over the step, so a lateral force must not turn it round: a wheel has the cornering stiffness of
     one that rolls at h C_alpha sideslip_mobility or faster, 0.3 m/s for the thesis' robot at a step of 1 ms.
     """
 
-    sideslip = structural(
-        "stiffness", "lateral force: by C_alpha, or as a drive asks for by slip", choices=("stiffness", "demand")
-    )
-
     e = parameter(0.0, "1", "coefficient of restitution: 0 plastic, 1 elastic")
-    mu = parameter(0.8, "1", "friction coefficient between tyre and ground")
-    C_alpha = parameter(5e3, "N/rad", "cornering stiffness of a wheel")
-    v_min = parameter(0.1, "m/s", "speed below which the slip angle fades to 0, so that a standing wheel has one")
     k_split = parameter(1e13, "N/m", "stiffness of a contact: shares the load where P leaves it open")
     recovery = parameter(1.0, "m/s2", "deceleration with which contacts rise to the surface; well below gravity's")
 
-    gap = input("m", "signed distance of each wheel from the ground, negative when pressed", shape=4)
-    gap_rate = input("m/s", "its time derivative", shape=4)
-    contact_velocity = input("m/s", "velocity of each wheel along its heading and across, to the left", shape=(4, 2))
-    P = input("1/kg", "gap acceleration of each wheel per normal force of each wheel", shape=(4, 4))
-    U = input("1/kg", "gap acceleration of each wheel per traction of each wheel", shape=(4, 4))
     V = input("1/kg", "gap acceleration of each wheel per lateral force of each wheel", shape=(4, 4))
     sideslip_mobility = input("1/kg", "most acceleration of a wheel to its left by lateral forces of 1 N", shape=4)
-    b_free = input("m/s2", "gap acceleration without normal force and traction", shape=4)
-    traction_demand = input("N", "traction asked of each wheel", shape=4)
-    lateral_demand = input("N", "lateral force asked of each wheel, to the left; for sideslip = demand", shape=4)
 
     force = state([0.0] * 4, "N", "mean normal force over the step", nominal=100.0)
     along = state([0.0] * 4, "N", "traction over the step", nominal=100.0)
@@ -76,19 +62,6 @@ class RigidContact(Component):
     taken = state(0.0, "J", "energy that the impulses of an impact took so far, 0 when it is over")
     lost = state(0.0, "J", "energy taken from the body by the normal forces since the start")
     slid = state(0.0, "J", "energy dissipated by sideslip since the start")
-
-    normal_force = output("N", "mean normal force over the step", shape=4)
-    traction = output("N", "mean traction over the step, forward positive", shape=4)
-    lateral = output("N", "mean lateral force over the step, to the left positive", shape=4)
-    normal_force_end = output("N", "the same as normal_force: it is known in the mean only", shape=4)
-    normal_impulse = output("N.s", "normal impulse delivered over the step", shape=4)
-    deformation = output("m", "gap at the start of the step", shape=4)
-    deformation_rate = output("m/s", "gap rate at the end of the step", shape=4)
-    contact = output("1", "1 where the wheel pushed on the ground in the step, else 0", shape=4)
-    friction_limit = output("N", "friction available: mu times the mean normal force", shape=4)
-    dissipated_energy = output("J", "energy lost in impacts since the start")
-    sliding_energy = output("J", "energy dissipated by sideslip since the start")
-    elastic_energy = output("J", "energy stored in the wheels: none")
 
     def flow(s: Any) -> dict[str, Any]:
         h = s.dt

@@ -36,9 +36,10 @@ def components() -> dict[str, type[Component]]:
 
 
 def shared_ports_only(kind: type[Component]) -> bool:
-    """Whether a class only declares what its subclasses share, states included, and leaves the law to them."""
+    """Whether a class only declares what its subclasses share, and leaves the law for states or outputs to them."""
     lawless = not any(hasattr(kind, law) for law in ("derivatives", "flow", "sync"))
-    return bool(kind.__subclasses__()) and lawless and any(d.role == "state" for d in kind.declarations.values())
+    left_open = any(d.role == "state" for d in kind.declarations.values()) or not hasattr(kind, "outputs")
+    return bool(kind.__subclasses__()) and lawless and left_open
 
 
 ALL = components()

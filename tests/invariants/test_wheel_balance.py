@@ -8,7 +8,8 @@ import pytest
 
 from cosim.equations import Namespace
 from cosim.twin import PythonInstance
-from plants.wheel_deformation import WheelDeformation, friction
+from plants.wheel_deformation import WheelDeformation
+from plants.wheels import friction
 
 NS = 1_000_000_000
 STEP = 1_000_000  # ns
