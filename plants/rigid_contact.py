@@ -24,7 +24,7 @@ import casadi as ca
 from cosim import input, parameter, state
 
 from .lcp import solve_lcp
-from .wheels import Wheels, asked_aside, friction
+from .wheels import Wheels, asked_aside, friction, slowest_aside
 
 _RESTING = 2  # an approach no faster than this many steps of free fall is no impact: a contact at rest does not chatter
 _NOTHING = 1e-30  # J, keeps a quotient of zeros at zero
@@ -40,9 +40,6 @@ class RigidContact(Wheels):
     impact, wherever in a step it lands.  Undoing that within a step (a target of -gap / h) would throw the body back at
     v / 2, even from a plastic impact.  The contacts rise instead with the velocity from which ``recovery`` brings them
     to rest at the surface, all with the same factor, which keeps the wheels of a rigid body compatible.
-
-    Sideslip is held over the step, so a lateral force must not turn it round: a wheel has the cornering stiffness of
-    one that rolls at h C_alpha sideslip_mobility or faster, 0.3 m/s for the thesis' robot at a step of 1 ms.
     """
 
     e = parameter(0.0, "1", "coefficient of restitution: 0 plastic, 1 elastic")
@@ -50,7 +47,6 @@ class RigidContact(Wheels):
     recovery = parameter(1.0, "m/s2", "deceleration with which contacts rise to the surface; well below gravity's")
 
     V = input("1/kg", "gap acceleration of each wheel per lateral force of each wheel", shape=(4, 4))
-    sideslip_mobility = input("1/kg", "most acceleration of a wheel to its left by lateral forces of 1 N", shape=4)
 
     force = state([0.0] * 4, "N", "mean normal force over the step", nominal=100.0)
     along = state([0.0] * 4, "N", "traction over the step", nominal=100.0)
@@ -75,7 +71,7 @@ class RigidContact(Wheels):
 
         def pushed(F_n: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
             """Return the gap rates that friction under *F_n* and all but the ground leave, and that friction."""
-            traction, lateral = friction(s, F_n, h * s.C_alpha * s.sideslip_mobility, asked_aside(s))
+            traction, lateral = friction(s, F_n, slowest_aside(s), asked_aside(s))
             other = s.U @ traction + s.V @ (lateral - s.across)
             return s.gap_rate + h * (s.b_free + other), traction, lateral
 

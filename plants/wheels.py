@@ -22,6 +22,9 @@ class Wheels(Component):
     Wheels in the order front-left, front-right, rear-left, rear-right.  Traction points along the wheel's heading on
     the tangent plane, lateral force to the left of it and against a velocity to the left.  What fits these ports stands
     in for any other; a plant says what its deformation and its lost energy are.
+
+    Sideslip is held over a step of length h, so a lateral force must not turn it round: a wheel has the slip angle of
+    one that rolls at h C_alpha sideslip_mobility or faster, 0.3 m/s for the thesis' robot at a step of 1 ms.
     """
 
     sideslip = structural(
@@ -37,6 +40,7 @@ class Wheels(Component):
     contact_velocity = input("m/s", "velocity of each wheel along its heading and across, to the left", shape=(4, 2))
     P = input("1/kg", "gap acceleration of each wheel per normal force of each wheel", shape=(4, 4))
     U = input("1/kg", "gap acceleration of each wheel per traction of each wheel", shape=(4, 4))
+    sideslip_mobility = input("1/kg", "most acceleration of a wheel to its left by lateral forces of 1 N", shape=4)
     b_free = input("m/s2", "gap acceleration without normal force and traction", shape=4)
     traction_demand = input("N", "traction asked of each wheel", shape=4)
     lateral_demand = input("N", "lateral force asked of each wheel, to the left; for sideslip = demand", shape=4)
@@ -53,6 +57,11 @@ class Wheels(Component):
     dissipated_energy = output("J", "energy lost in deformation or impacts since the start")
     sliding_energy = output("J", "energy dissipated by sideslip since the start")
     elastic_energy = output("J", "energy stored in the wheels")
+
+
+def slowest_aside(s: Any) -> ca.SX:
+    """Return the speeds (4, m/s) below which a slip angle held over the step ``s.dt`` would be turned round in it."""
+    return s.dt * s.C_alpha * s.sideslip_mobility
 
 
 def asked_aside(s: Any) -> Any:

@@ -57,14 +57,14 @@ class Drop:
 
 
 def test_it_has_the_ports_of_the_deformable_wheels() -> None:
-    """And two inputs more, which the body has for it: how lateral forces move the gaps and the wheels."""
+    """And an input more, which the body has for it: how lateral forces move the gaps."""
 
     def ports(component: Any) -> dict[str, Any]:
         described = {n: (v.causality, v.shape, v.unit) for n, v in component.variables.items()}
         return {n: d for n, d in described.items() if d[0] in ("input", "output")}
 
     rigid, deformable, body = ports(RigidContact()), ports(WheelDeformation()), ports(RigidBody())
-    more = {name: rigid.pop(name) for name in ("V", "sideslip_mobility")}
+    more = {name: rigid.pop(name) for name in ("V",)}
     assert rigid == deformable
     assert more == {name: ("input", *body[name][1:]) for name in more}
     assert set(RigidContact().equations.feedthrough.values()) == {()}
