@@ -95,6 +95,11 @@ class Component:
         ]
         return f"{type(self).__name__}({', '.join(changed)})"
 
+    def _repr_html_(self) -> str:
+        from .show import component_html
+
+        return component_html(self)
+
     def _structural(self, d: Declaration, value: Any) -> Structural:
         who = f"{type(self).__name__}.{d.name}"
         if d.choices:

@@ -4,8 +4,8 @@ Life: constructed (parameters and start values may be set), ``enter_initializati
 as often as needed, ``exit_initialization``, then ``push``, ``step``, ``pull`` until ``close``.
 
 All Float64 inputs of an instance live in one flat buffer ``u``, all Float64 outputs in ``y``, arrays row-major, in the
-order of ``inputs`` and ``outputs``: the master moves a whole component with one indexed copy.  Every other type goes
-through ``set`` and ``get``.
+order of ``inputs`` and ``outputs``: the master moves a whole component with one indexed copy.  A system binds them
+to parts of one array, so that what everybody shows is one row.  Every other type goes through ``set`` and ``get``.
 """
 
 from __future__ import annotations
@@ -55,6 +55,11 @@ class Instance(ABC):
         self.u = np.concatenate([np.zeros(0)] + [np.ravel(_start(v)) for v in self.inputs])
         self.y = np.zeros(sum(v.size for v in self.outputs))
         self.u_at, self.y_at = _slices(self.inputs), _slices(self.outputs)
+
+    def bind(self, u: np.ndarray, y: np.ndarray) -> None:
+        """Keep the buffers ``u`` and ``y`` in these contiguous arrays from now on; their values move along."""
+        u[:], y[:] = self.u, self.y
+        self.u, self.y = u, y
 
     def variable(self, name: str) -> Variable:
         """Return a variable's description; raises WiringError naming the nearest one if there is none."""

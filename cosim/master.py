@@ -182,7 +182,7 @@ class _Run:
         self._tell_events()
         initial = self.steps == 0 and end == self.info.start_ns
         self.steps += not initial
-        point = Point(self.steps, self.now, end, self._wall(), self.inputs, self.outputs)
+        point = Point(self.steps, self.now, end, self._wall(), self.inputs, self.outputs, self.system.row)
         self.now = end
         for observer in self.observers:
             observer.accepted(point)

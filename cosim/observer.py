@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -35,13 +35,12 @@ class RunInfo:
     algorithm: str
 
 
-@dataclass(frozen=True, slots=True)
-class Point:
+class Point(NamedTuple):
     """A communication point that everybody reached.
 
     ``inputs`` and ``outputs`` hold, by component, the flat Float64 buffers ``u`` and ``y`` of the instances (the ports
-    lie at ``u_at`` and ``y_at``): the inputs held over [start, end], the outputs at end.  They are the live buffers,
-    overwritten by the next step: copy what you keep.
+    lie at ``u_at`` and ``y_at``): the inputs held over [start, end], the outputs at end.  ``row`` is all of them in one
+    array, ``System.row``.  They are the live buffers, overwritten by the next step: copy what you keep.
     """
 
     number: int
@@ -50,6 +49,7 @@ class Point:
     wall: float  # s of wall clock since the run began
     inputs: Mapping[str, np.ndarray]
     outputs: Mapping[str, np.ndarray]
+    row: np.ndarray
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _CHUNK = 4096  # rows
 
 
-class _Column:
+class _Rows:
     """Rows of one length, kept in chunks, so that a growing record never copies what it has."""
 
     def __init__(self, width: int) -> None:
@@ -43,8 +43,7 @@ class _Column:
 @dataclass(frozen=True)
 class _Port:
     variable: Variable
-    column: _Column | None  # None: not Float64
-    at: slice
+    at: slice | None  # of the columns; None: not Float64
     values: list[Any]  # of a port that is not Float64
 
 
@@ -63,7 +62,8 @@ class Record(Observer):
         self.summary: Summary | None = None
         self.error: BaseException | None = None
         self._ports: dict[str, _Port] = {}
-        self._columns: dict[tuple[str, str], _Column] = {}
+        self._others: list[tuple[str, list[Any]]] = []  # the ports that are not Float64
+        self._places: np.ndarray | None = None  # which values of a row are kept; None: all
 
     def started(self, system: System, info: RunInfo) -> None:
         self.info, self._system = info, system
@@ -78,21 +78,27 @@ class Record(Observer):
                 raise WiringError(f"nothing to record is called {port!r}; {nearest(port, known)}")
         for port in self.names or known:
             name, v = known[port]
-            instance = system.instances[name]
-            column, at = None, slice(0, 0)
-            if v.type == FLOAT:
-                at = (instance.u_at if v.causality == "input" else instance.y_at)[v.name]
-                width = len(instance.u if v.causality == "input" else instance.y)
-                column = self._columns.setdefault((name, v.causality), _Column(width))
-            self._ports[port] = _Port(v, column, at, [])
+            self._ports[port] = _Port(v, system.place(name, v) if v.type == FLOAT else None, [])
+        self._others = [(port, kept.values) for port, kept in self._ports.items() if kept.at is None]
+        if self.names is not None:
+            self._select()
+        self._rows = _Rows(len(system.row) if self._places is None else len(self._places))
+
+    def _select(self) -> None:
+        """Keep only the values of the ports recorded, in their order."""
+        places, at = [np.zeros(0, int)], 0
+        for port, kept in self._ports.items():
+            if kept.at is not None:
+                places.append(np.arange(kept.at.start, kept.at.stop))
+                self._ports[port] = _Port(kept.variable, slice(at, at + len(places[-1])), kept.values)
+                at += len(places[-1])
+        self._places = np.concatenate(places)
 
     def accepted(self, point: Point) -> None:
         self.points.append((point.start, point.end))
-        for (name, causality), column in self._columns.items():
-            column.append((point.inputs if causality == "input" else point.outputs)[name])
-        for port, kept in self._ports.items():
-            if kept.column is None:
-                kept.values.append(self._system[port])
+        self._rows.append(point.row if self._places is None else point.row[self._places])
+        for port, values in self._others:
+            values.append(self._system[port])
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
         self.rejections.append((start, end, reached, component))
@@ -131,9 +137,9 @@ class Record(Observer):
         if port not in self._ports:
             raise WiringError(f"nothing called {port!r} was recorded; {nearest(port, self._ports)}")
         kept = self._ports[port]
-        if kept.column is None:
+        if kept.at is None:
             return np.array(kept.values)
-        return kept.column.rows(kept.at).reshape(-1, *kept.variable.shape)
+        return self._rows.rows(kept.at).reshape(-1, *kept.variable.shape)
 
     def get(self, port: str) -> np.ndarray | None:
         """Return a port's values over the run, or None if it was not recorded."""

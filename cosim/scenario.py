@@ -107,6 +107,7 @@ class Scenario(BaseModel):
     connections: dict[str, LinkSpec] = Field(default_factory=dict)
     through: dict[str, tuple[Slot, ...]] = Field(default_factory=dict)
     verdict: tuple[str, ...] = ()  # groups of figures beside the usual ones; who judges a run knows them
+    view: Literal["impact", "smoothness", "shock", "health"] | None = None  # the question with which a log opens
     variant: str = ""
 
     @field_validator("connections", mode="before")

@@ -17,7 +17,7 @@ from .algorithms import Algorithm
 from .errors import CouplingError, WiringError, nearest
 from .initialize import initialize
 from .instance import Instance
-from .variable import FLOAT
+from .variable import FLOAT, Variable
 from .wiring import Connection, Link, wire
 
 
@@ -49,6 +49,8 @@ class System:
     ``connections`` maps targets to sources (see ``wiring``).  ``every`` maps a component to the number of macro steps
     that it takes in one: with 4 it steps once, over all four, when the others have done the fourth.  The names given
     here become the names of the instances.  A system runs once; ``close``, or ``with``, closes its instances.
+
+    ``row`` is what everybody shows: the buffers of all, inputs first, that of (component, causality) at ``places``.
     """
 
     def __init__(
@@ -68,12 +70,8 @@ class System:
         self.connections = wire(self.instances, connections)
         self.unconnected = self._unconnected()
         self.time: dict[str, int] = {}  # ns, per component; empty until initialised
-        self._place: dict[str, slice] = {}
-        at = 0
-        for name, instance in self.instances.items():
-            self._place[name] = slice(at, at + len(instance.y))
-            at += len(instance.y)
-        self._values = np.zeros(at)
+        self.row, self.places = self._bind()
+        self._values = self.row[sum(len(i.u) for i in self.instances.values()) :]  # the outputs of all
         self._others: dict[tuple[str, str], Any] = {}
         self._inlets = {name: self._inlet(name) for name in self.names}
         self._travelling = {
@@ -81,6 +79,19 @@ class System:
                          if c.source.component == name and not c.numeric})
             for name in self.names
         }  # fmt: skip
+
+    def _bind(self) -> tuple[np.ndarray, dict[tuple[str, str], slice]]:
+        """Put all buffers, inputs first, into one array; return it and where each lies."""
+        places, at = {}, 0
+        for causality in ("input", "output"):
+            for name, instance in self.instances.items():
+                size = len(instance.u if causality == "input" else instance.y)
+                places[name, causality] = slice(at, at + size)
+                at += size
+        row = np.zeros(at)
+        for name, instance in self.instances.items():
+            instance.bind(row[places[name, "input"]], row[places[name, "output"]])
+        return row, places
 
     def _every(self, every: Mapping[str, int]) -> dict[str, int]:
         for name, n in every.items():
@@ -125,7 +136,8 @@ class System:
 
     def _source(self, connection: Connection) -> np.ndarray:
         end = connection.source
-        return end.positions(self.instances[end.component].y_at[end.variable.name]) + self._place[end.component].start
+        first = self.places[end.component, "output"].start - (len(self.row) - len(self._values))
+        return end.positions(self.instances[end.component].y_at[end.variable.name]) + first
 
     # values
 
@@ -146,10 +158,15 @@ class System:
     def collect(self, name: str) -> None:
         """Take a component's outputs: from here on they are what others are fed."""
         instance = self.instances[name]
-        instance.pull()
-        self._values[self._place[name]] = instance.y
+        instance.pull()  # into our own array
         for port in self._travelling[name]:
             self._others[name, port] = instance.get(port)
+
+    def place(self, name: str, variable: Variable) -> slice:
+        """Return where a Float64 input or output of a component lies in ``row``."""
+        instance, start = self.instances[name], self.places[name, variable.causality].start
+        at = (instance.u_at if variable.causality == "input" else instance.y_at)[variable.name]
+        return slice(start + at.start, start + at.stop)
 
     def __getitem__(self, port: str) -> Any:
         """Return the value of a port, ``system["body.gap"]``: as last fed or collected; arrays are copies."""
@@ -200,6 +217,11 @@ class System:
         Both count in macro steps; a source that steps every n of them holds its values in between.
         """
         return {c.target.port: algorithm.delay(self, c.source.component, c.target.component) for c in self.connections}
+
+    def _repr_html_(self) -> str:
+        from .show import system_html
+
+        return system_html(self)
 
     def close(self) -> None:
         """Close every instance, also when closing one of them fails."""

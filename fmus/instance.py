@@ -42,8 +42,7 @@ class FmuInstance(Instance):
         finally:
             if self._c is None:
                 self._release()
-        self._push = self._transfer(self.inputs, self.u)
-        self._pull = self._transfer(self.outputs, self.y)
+        self._prepare()
         self._set_float, self._get_float = self._float_functions()
 
     # what the two versions differ in
@@ -96,6 +95,10 @@ class FmuInstance(Instance):
         array = (c_uint32 * len(references))(*references)
         return self._transfer_arguments(array, len(references), c_void_p(values.ctypes.data), values.size)
 
+    def _prepare(self) -> None:
+        self._push = self._transfer(self.inputs, self.u)
+        self._pull = self._transfer(self.outputs, self.y)
+
     @property
     def warnings(self) -> list[str]:
         """Warnings the FMU has sent."""
@@ -132,6 +135,13 @@ class FmuInstance(Instance):
             self.restore(moved)
         finally:
             self.forget(moved)
+
+    def bind(self, u: np.ndarray, y: np.ndarray) -> None:
+        """Keep the buffers ``u`` and ``y`` in these contiguous arrays from now on; raises WiringError when closed."""
+        if self._library is None:
+            self._closed()
+        super().bind(u, y)
+        self._prepare()  # the FMU is handed addresses
 
     def push(self) -> None:
         """Hand the buffer ``u`` to the FMU."""

@@ -1,14 +1,15 @@
-"""Several runs in one log: each under its own root, differences against the first, one scene with all robots.
+"""Several runs in one log: each under its own root, differences against a baseline, one scene with all robots.
 
 The viewer shows one recording at a time, so what is to be overlaid has to be one recording::
 
-    /<variant>/plant/...           outputs of up to WIDEST values (the rest and the inputs are in the run's own log)
-    /diff/<variant>/plant/...      B - A for each of them, if there are up to ALL_DIFFERENCES variants
-    /overlay/<panel>/<variant>     the curves one decides by, in units for reading
+    /<variant>/plant/...             outputs of up to WIDEST values (the rest and the inputs are in the run's own log)
+    /diff/<variant>/plant/...        B - A for each of them, if there are up to ALL_DIFFERENCES variants
+    /overlay/<panel>/<variant>       the curves one decides by, in units for reading
     /overlay_diff/<panel>/<variant>  B - A for each of them
-    /world/...                     one ground, all robots;  /report  the verdict
+    /world/...                       one ground, all robots;  /report  the verdict
 
-A difference is taken at the times of the first variant, the other interpolated there.
+A is the baseline, which is the first and has the first colour.  A difference is taken at every time that either run
+has, both interpolated linearly there: of runs of different step sizes, or cut at events of their own, no peak is lost.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ from __future__ import annotations
 import secrets
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import rerun as rr
 from rerun.chunk import Chunk, RrdReader
 
-from cosim.errors import ScenarioError
+from cosim.errors import ScenarioError, nearest
 
 from .blueprint import Camera, comparison_blueprint
 from .panels import PANELS
@@ -31,6 +32,7 @@ from .read import Signal, properties, signals
 from .scene import painted
 from .style import colour
 
+T = TypeVar("T")
 APPLICATION = "wmr_compare"
 WIDEST = 4  # values of a port: a scalar, a vector, four wheels; not matrices and stations
 ALL_DIFFERENCES = 3  # variants: with more, the file would be large and hardly anybody look
@@ -43,12 +45,15 @@ def combine(
     title: str = "",
     report: str = "",
     camera: Camera | None = None,
+    baseline: str | None = None,
 ) -> Path:
     """Write the logs of several variants, by name, into one file with differences, a *report* and a blueprint.
 
-    *title* is what the comparison is about, *camera* looks at the scene, if there is one.
-    Raises ScenarioError if the file cannot be written.
+    *title* is what the comparison is about, *camera* looks at the scene, if there is one; the differences are to
+    *baseline*, or to the first.  Raises ScenarioError for a baseline that is none of them, or if the file cannot be
+    written.
     """
+    logs = baseline_first(logs, baseline)
     variants = list(logs)
     base = _outputs(logs[variants[0]])
     part = out.with_suffix(f".{secrets.token_hex(4)}.rrd.part")
@@ -77,6 +82,13 @@ def combine(
     return out
 
 
+def baseline_first(runs: Mapping[str, T], baseline: str | None) -> dict[str, T]:
+    """Return what there is by variant with *baseline* first, the others as they were; raises ScenarioError."""
+    if baseline is not None and baseline not in runs:
+        raise ScenarioError(f"there is no variant {baseline!r} to be the baseline; {nearest(baseline, runs)}")
+    return {name: runs[name] for name in sorted(runs, key=lambda name: name != baseline)}
+
+
 def _outputs(path: Path) -> dict[str, Signal]:
     return {port: s for port, s in signals(path, "/plant/**").items() if ".in." not in port}
 
@@ -100,11 +112,20 @@ def _series(
     yield Chunk.from_columns(path, [], rr.AnyValues.columns(signal_unit=[unit], meaning=[meaning]))
 
 
-def _difference(ns: np.ndarray, mine: np.ndarray, other: Signal, theirs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the times of A at which both runs were on, and B - A there, (n, width)."""
-    inside = (ns >= other.ns[0]) & (ns <= other.ns[-1])
-    there = np.column_stack([np.interp(ns[inside], other.ns, column) for column in theirs.T])
-    return ns[inside], there - mine[inside]
+def difference(
+    ns: np.ndarray, mine: np.ndarray, other: np.ndarray, theirs: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the times (n,) in ns of A or B at which both runs were on, and B - A there (n, width).
+
+    *mine* are the values of A at the times *ns*, *theirs* those of B at *other*, a row per time.
+    """
+    both = np.union1d(ns, other)
+    both = both[(both >= max(ns[0], other[0])) & (both <= min(ns[-1], other[-1]))]
+    return both, _at_times(both, other, theirs) - _at_times(both, ns, mine)
+
+
+def _at_times(times: np.ndarray, ns: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.interp(times, ns, column) for column in values.T])
 
 
 def _differences(base: Mapping[str, Signal], other: Mapping[str, Signal], variant: str) -> Iterable[Chunk]:
@@ -112,10 +133,10 @@ def _differences(base: Mapping[str, Signal], other: Mapping[str, Signal], varian
         b = other.get(port)
         if b is None or b.values.shape[1] != a.values.shape[1]:
             continue
-        ns, values = _difference(a.ns, a.values, b, b.values)
+        ns, values = difference(a.ns, a.values, b.ns, b.values)
         component, _, name = port.partition(".")
         path = f"/diff{_at(variant, f'/plant/{component}/{name}')}"
-        meaning = f"{variant} minus the first variant: {a.meaning}"
+        meaning = f"{variant} minus the baseline: {a.meaning}"
         yield from _series(ns, values, path, [f"{label} [{a.unit}]" for label in a.names], a.unit, meaning)
 
 
@@ -130,7 +151,7 @@ def _overlaid(variant: str, number: int, found: Mapping[str, Signal], base: Mapp
         yield from _series(of.ns, curve[:, None], f"/overlay/{panel.key}{_at(variant, '')}", *about, **paint)
         first = panel.read(lambda port: base[port].values if port in base else None)
         if number and first is not None:
-            ns, values = _difference(base[panel.port].ns, first[:, None], of, curve[:, None])
+            ns, values = difference(base[panel.port].ns, first[:, None], of.ns, curve[:, None])
             yield from _series(ns, values, f"/overlay_diff/{panel.key}{_at(variant, '')}", *about, **paint)
 
 

@@ -1,4 +1,4 @@
-"""What a log holds, in numbers; and its signals as CSV or Parquet."""
+"""What a log holds, in numbers; and its signals as CSV, Parquet or MCAP."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import pyarrow.parquet
 
 from cosim.errors import ScenarioError
 
+from . import mcap_file
 from .read import Signal, properties, signals, texts
 
 _UNITS = "metric_units"
@@ -60,9 +61,27 @@ def _statistics(signal: Signal) -> dict[str, Any]:
 
 
 def export(path: Path, out: Path, ports: list[str]) -> Path:
-    """Write signals to ``.csv`` or ``.parquet``: a column ``time [s]``, then one per value, named with its unit."""
+    """Write signals to ``.csv`` or ``.parquet``: a column ``time [s]``, then one per value, named with its unit.
+
+    Or to ``.mcap``: a topic per port, see ``mcap_file``.
+    """
     found = signals(path)
     chosen = [found[p] for p in ports]
+    try:
+        if out.suffix == ".mcap":
+            mcap_file.write(chosen, out)
+        elif out.suffix == ".parquet":
+            pyarrow.parquet.write_table(_table(chosen), out)
+        elif out.suffix == ".csv":
+            pyarrow.csv.write_csv(_table(chosen), out)
+        else:
+            raise ScenarioError(f"cannot write {out}: the name must end in .csv, .parquet or .mcap")
+    except OSError as error:
+        raise ScenarioError(f"cannot write {out}: {error}") from None
+    return out
+
+
+def _table(chosen: list[Signal]) -> pa.Table:
     base = max(chosen, key=lambda s: len(s.ns)).ns
     columns: dict[str, Any] = {"time [s]": base * 1e-9}
     for signal in chosen:
@@ -71,17 +90,7 @@ def export(path: Path, out: Path, ports: list[str]) -> Path:
             label = signal.port + (f"[{k + 1}]" if signal.values.shape[1] > 1 else "")
             column = signal.values[:, k] if same else _on(base, signal, k)
             columns[f"{label} [{signal.unit}]"] = column
-    table = pa.table(columns)
-    try:
-        if out.suffix == ".parquet":
-            pyarrow.parquet.write_table(table, out)
-        elif out.suffix == ".csv":
-            pyarrow.csv.write_csv(table, out)
-        else:
-            raise ScenarioError(f"cannot write {out}: the name must end in .csv or .parquet")
-    except OSError as error:
-        raise ScenarioError(f"cannot write {out}: {error}") from None
-    return out
+    return pa.table(columns)
 
 
 def _on(base: np.ndarray, signal: Signal, k: int) -> np.ndarray:

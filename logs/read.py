@@ -15,7 +15,9 @@ from rerun.chunk import RrdReader
 
 from cosim.errors import ScenarioError, nearest
 
+from .cut import whole
 from .ports import EXACT
+from .style import WHEELS
 
 _SCALARS = "Scalars:scalars"
 
@@ -40,7 +42,12 @@ def _open(path: Path) -> Any:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "RRD file has no footer")  # it is unfinished, which the reader copes with
             reader = RrdReader(str(path))
-        if not reader.recordings():
+            try:
+                found = reader.recordings()
+            except Exception:  # cut in the midst of a message
+                reader = RrdReader(str(whole(path)))
+                found = reader.recordings()
+        if not found:
             raise ScenarioError(f"{path} is not a Rerun log, or it is empty")
         return reader
     except ScenarioError:
@@ -136,21 +143,46 @@ def texts(path: Path, content: str) -> list[tuple[int, str]]:
 def load(path: Path | str, ports: list[str] | None = None) -> xarray.Dataset:
     """Return a log as a dataset over time in s: a variable per port with unit and meaning, properties as attributes.
 
-    Raises ScenarioError for a file that is no log, or a port it does not have.
+    An array keeps its shape; its axes are called ``PORT.0``, ``PORT.1``, ... as in a record.  An axis over the wheels
+    of a rover has their names, so that ``data["wheels.normal_force"].sel({"wheels.normal_force.0": "fl"})`` is one.
+    Where a port was not logged at a time of others it is not a number.  Raises ScenarioError for a file that is no
+    log, or a port it does not have.
     """
     found = signals(Path(path))
     for port in ports or ():
         if port not in found:
             raise ScenarioError(f"the log {path} has no signal {port!r}; {nearest(port, found)}")
-    data = {}
-    for port in ports or found:
-        signal = found[port]
-        dims = ("time",) if signal.values.shape[1] == 1 else ("time", f"{port} index")
-        values = signal.values[:, 0] if len(dims) == 1 else signal.values
-        data[port] = xarray.DataArray(
-            values, {"time": signal.ns * 1e-9}, dims, attrs={"units": signal.unit, "long_name": signal.meaning}
-        )
+    chosen = [found[port] for port in ports or found]
     attributes = {
         f"{title}.{key}": value for title, table in properties(Path(path)).items() for key, value in table.items()
     }
-    return xarray.Dataset(data, attrs=attributes)
+    ns = _together([s.ns for s in chosen])
+    time = ("time", ns / 1e9, {"units": "s", "long_name": "simulated time"})
+    data = xarray.Dataset({s.port: _array(s, ns) for s in chosen}, {"time": time, "time_ns": ("time", ns)}, attributes)
+    if '"assembly": "rover"' not in str(attributes.get("run.config_json")):
+        return data
+    return data.assign_coords({str(axis): list(WHEELS) for axis in data.dims if _over_wheels(str(axis), data)})
+
+
+def _over_wheels(axis: str, data: xarray.Dataset) -> bool:
+    """Return whether an axis of a rover's log has a place for each wheel: all of four but that of the quaternion."""
+    return data.sizes[axis] == len(WHEELS) and not axis.startswith("body.orientation")
+
+
+def _together(times: list[np.ndarray]) -> np.ndarray:
+    """Return all times of several series, in order."""
+    if not times or all(np.array_equal(times[0], t) for t in times):
+        return times[0] if times else np.empty(0, np.int64)
+    return np.unique(np.concatenate(times))
+
+
+def _array(s: Signal, ns: np.ndarray) -> tuple[tuple[str, ...], np.ndarray, dict[str, str]]:
+    """Return axes, values at the times *ns* and attributes of a signal."""
+    values = s.values
+    if not np.array_equal(s.ns, ns):
+        values = np.full((len(ns), s.values.shape[1]), np.nan)
+        values[np.searchsorted(ns, s.ns)] = s.values
+    width = values.shape[1]
+    shape = s.shape if np.prod(s.shape, dtype=int) == width else (() if width == 1 else (width,))
+    axes = tuple(f"{s.port}.{axis}" for axis in range(len(shape)))
+    return ("time", *axes), values.reshape(len(ns), *shape), {"units": s.unit, "long_name": s.meaning}

@@ -4,20 +4,25 @@ Layout: ``/plant/<component>/<port>`` outputs, ``/plant/<component>/in/<port>`` 
 health, ``/events``, ``/log/master`` text, ``/world/...`` the scene, ``/report`` the verdict.  Two timelines:
 ``sim_time`` (ns) and ``step``.
 
-The file is called ``NAME.<8 hex digits>.rrd.part`` until it is complete, so that two runs into one folder never share a
-file.  It is flushed after every chunk and once a second, so a killed run keeps what was flushed; a run that fails keeps
-everything up to the failure and is marked, one that never began leaves no file.
+The file is called ``NAME.<8 hex digits>.rrd.part`` until it is complete and was read back, so that two runs into one
+folder never share a file.  A chunk goes to the file when it is full, and once a second; a thread of Rerun packs and
+writes it while the run goes on, one chunk at most is under way.  So a killed run keeps every chunk written, one that
+fails keeps everything up to the failure and is marked, one that never began leaves no file.
 """
 
 from __future__ import annotations
 
 import secrets
+import warnings
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 import rerun as rr
+from rerun.chunk import RrdReader
 
 from cosim.errors import ScenarioError
 from cosim.observer import Observer, Point, RunInfo, Summary
@@ -27,8 +32,10 @@ from .ports import Chunk, describe, index, scalars, style
 
 APPLICATION = "wmr_cosim"
 FLUSH_AFTER = 1.0  # s of wall clock
+TRY, PATIENCE = 1.0, 60  # s to wait for the file at a time, and how often
 
-Health = Callable[[Point], Mapping[str, float]]
+Read = Callable[[str], "np.ndarray | None"]
+Health = Callable[[Read], Mapping[str, np.ndarray]]
 Closing = Callable[[], tuple[Mapping[str, Mapping[str, Any]], str]]
 
 
@@ -36,10 +43,10 @@ class RerunRecorder(Observer):
     """Writes a run to *path*.
 
     *properties* are tables by name (``run``, ``provenance``, ...) that describe the run; *signals* are patterns such as
-    ``"wheels.*"`` (none: every port); *health* computes further series of the master per step, named with their unit,
-    as in ``{"gap_mismatch [m]": 1e-9}``; *scene* draws in space; *closing* gives more properties and a report in
-    Markdown when the run has ended; *chunk* is the number of steps between two flushes.  Raises ScenarioError if the
-    file cannot be written.
+    ``"wheels.*"`` (none: every port); *health* computes further series of the master over a chunk of n steps from the
+    ports it reads, (n, ...), named with their unit, as in ``{"gap_mismatch [m]": array}``; *scene* draws in space;
+    *closing* gives more properties and a report in Markdown when the run has ended; *chunk* is the number of steps that
+    go to the file at once.  Raises ScenarioError if the file cannot be written, or does not read back.
     """
 
     def __init__(
@@ -54,7 +61,7 @@ class RerunRecorder(Observer):
         health: Health | None = None,
         closing: Closing | None = None,
         signals: tuple[str, ...] = (),
-        chunk: int = 1000,
+        chunk: int = 4096,
     ) -> None:
         self.path, self.part = path, path.with_suffix(f".{secrets.token_hex(4)}{path.suffix}.part")
         self.scene, self.health, self.closing, self.signals, self.rows = scene, health, closing, signals, chunk
@@ -62,8 +69,11 @@ class RerunRecorder(Observer):
         rr.set_strict_mode(True)  # wrong data is an error, and not left out with a warning
         self.recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
         self._chunk: Chunk | None = None
-        self._master: dict[str, np.ndarray] = {}
-        self._wall = self._flushed = 0.0
+        self._named: set[str] = set()  # the series of the master that have their names
+        self._points, self._last_sent = 0, ""
+        self._flushed = 0.0  # s of wall clock
+        self._broken = False  # the file takes no more
+        self._sender = ThreadPoolExecutor(1)
         self._last: int | None = None  # ns, of the last accepted point
         self.file: Path | None = None  # where the log is now; a run that never began leaves none
 
@@ -82,21 +92,16 @@ class RerunRecorder(Observer):
             describe(self.recording, held.entity, held.variable, held.name)
         self._say(info.start_ns, f"started: {info.algorithm}, step {info.step_ns} ns", "INFO")
         if self.scene is not None:
-            self.scene.started(self.recording)
+            self.scene.started(self.recording, system)
 
     def accepted(self, point: Point) -> None:
         chunk = self._chunk
         assert chunk is not None
-        own = {"step_size [s]": (point.end - point.start) * 1e-9, "wall [s]": point.wall - self._wall}
-        for label, value in {**own, **(self.health(point) if self.health else {})}.items():
-            if label not in self._master:
-                self._master[label] = np.empty(self.rows)
-                self._name_health(label)
-            self._master[label][chunk.n] = value
-        self._wall, self._last = point.wall, point.end
         chunk.append(point)
-        if chunk.n == chunk.rows or point.wall - self._flushed >= FLUSH_AFTER:
-            self.emit()
+        self._last = point.end
+        slow = point.wall - self._flushed >= FLUSH_AFTER
+        if slow or chunk.n == chunk.rows:
+            self.emit(wait=slow)
             self._flushed = point.wall
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
@@ -116,24 +121,38 @@ class RerunRecorder(Observer):
         if self._last is None:
             self._discard()
             return
+        if self._broken:
+            self._sender.shutdown()
+            self.recording.disconnect()
+            return
         interrupted = isinstance(error, (KeyboardInterrupt, SystemExit))
         said = "stopped from outside" if interrupted else str(error) or type(error).__name__
         self._say(self._last, said, "ERROR")
         self._close({"status": "interrupted" if interrupted else "failed", "error": said})
 
-    def emit(self) -> None:
-        """Send what is buffered and flush it to the file; raises ScenarioError if the file takes no more."""
-        chunk = self._chunk
-        if chunk is None or not chunk.n:
+    def emit(self, *, wait: bool = True) -> None:
+        """Send what is buffered to the file, and *wait* until it is there; raises ScenarioError if it takes no more."""
+        if self._chunk is None or not self._chunk.n:
             return
-        at = index(chunk.ns[: chunk.n], chunk.step[: chunk.n])
+        self._flush()  # the chunk before is in the file by now, or never will be
+        self._sender.submit(self._send, self._chunk).result()
+        if wait:
+            self._flush()
+
+    def _send(self, chunk: Chunk) -> None:
+        """Send a chunk; in a thread of its own, where no interrupt can come in between and have rows sent twice."""
+        if not chunk.n:
+            return
+        at = index(chunk.ns, chunk.step)
         chunk.send(lambda path, columns: self.recording.send_columns(path, at, columns))
-        for label, values in self._master.items():
-            self.recording.send_columns(_health_entity(label), at, scalars(values[: chunk.n, None]))
+        for label, values in {**chunk.durations(), **(self.health(chunk.read) if self.health else {})}.items():
+            self._name_health(label)
+            self._last_sent = _health_entity(label)
+            self.recording.send_columns(self._last_sent, at, scalars(values[:, None]))
         if self.scene is not None:
-            self.scene.emit(self.recording, chunk.ns[: chunk.n], chunk.step[: chunk.n], chunk.read)
+            self.scene.emit(self.recording, chunk.ns, chunk.step, chunk.read)
+        self._points += chunk.n
         chunk.clear()
-        self._flush()
 
     def _open(self) -> None:
         try:
@@ -143,6 +162,10 @@ class RerunRecorder(Observer):
                 f"cannot write the log {self.path}: {error}; choose another folder with --out"
             ) from None
         self.file = self.part
+        self._introduce()
+
+    def _introduce(self) -> None:
+        """Say what does not change: the name and the properties of the run."""
         rr.set_log_time_enabled(False, recording=self.recording)
         if self.name:
             self.recording.send_recording_name(self.name)
@@ -150,10 +173,13 @@ class RerunRecorder(Observer):
             self.set_property(title, table)
 
     def _name_health(self, label: str) -> None:
+        if label in self._named:
+            return
+        self._named.add(label)
         name, _, unit = label.partition(" ")
-        style(self.recording, _health_entity(label), [name], unit.strip("[]") or "1")
-        about = rr.AnyValues(signal_name=[name], signal_unit=unit.strip("[]") or "1")
-        self.recording.log(_health_entity(label), about, static=True)
+        unit = unit.strip("[]") or "1"
+        about = rr.AnyValues(signal_name=[name], signal_unit=unit)
+        self.recording.log(_health_entity(label), style([name], unit), about, static=True)
 
     def _at(self, ns: int) -> None:
         self.recording.set_time("sim_time", duration=np.timedelta64(ns, "ns"))
@@ -163,17 +189,24 @@ class RerunRecorder(Observer):
         self.recording.log("log/master", rr.TextLog(text, level=level))
 
     def _flush(self) -> None:
-        try:
-            self.recording.flush()
-        except RuntimeError as error:
-            why = str(error).splitlines()[0]
-            raise ScenarioError(
-                f"the log {self.part} cannot be written any further ({why}): is the disk full?"
-            ) from None
+        """Wait until all is in the file; asked not to wait (a timeout of 0), Rerun can hang when the disk is full."""
+        for _ in range(PATIENCE):
+            began = perf_counter()
+            try:
+                self.recording.flush(timeout_sec=TRY)
+                return
+            except RuntimeError as error:
+                why = str(error).splitlines()[0]
+                if perf_counter() - began < TRY:  # else it is only slow
+                    break
+        self._broken = True
+        raise ScenarioError(f"the log {self.part} cannot be written any further ({why}): is the disk full?")
 
     def _close(self, outcome: dict[str, Any]) -> None:
         try:
-            self.emit()
+            self.emit(wait=False)
+            if self.scene is not None:
+                self.scene.finished(self.recording)
             self.set_property("outcome", outcome)
             tables, report = self.closing() if self.closing else ({}, "")
             for title, table in tables.items():
@@ -182,7 +215,12 @@ class RerunRecorder(Observer):
                 self.recording.log("report", rr.TextDocument(report, media_type="text/markdown"), static=True)
             self._flush()
         finally:
+            self._sender.shutdown()
             self.recording.disconnect()
+        self._finish()
+
+    def _finish(self) -> None:
+        verify(self.part, self._last_sent, self._points)
         self.part.replace(self.path)
         self.file = self.path
 
@@ -190,6 +228,23 @@ class RerunRecorder(Observer):
         self.recording.disconnect()
         self.part.unlink(missing_ok=True)
         self.file = None
+
+
+def verify(path: Path, entity: str, points: int) -> None:
+    """Read *entity*, the last of every chunk, back through the footer of a log that is finished.
+
+    Raises ScenarioError unless the footer is whole and all *points* are there.  Reading everything would cost a tenth
+    of a short run.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", rr.error_utils.RerunWarning)  # no footer: an error follows
+            stored = RrdReader(str(path)).store().stream().filter(content=f"/{entity}", is_static=False)
+        found = sum(chunk.num_rows for chunk in stored)
+    except Exception as error:
+        raise ScenarioError(f"the log {path} does not read back: {error}") from None
+    if found != points:
+        raise ScenarioError(f"the log {path} does not read back: it holds {found} of {points} steps")
 
 
 def _health_entity(label: str) -> str:

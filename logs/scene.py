@@ -1,4 +1,4 @@
-"""The run in space: both tracks as driven over, the body, four turning wheels, contact forces, and where wheels flew.
+"""The run in space: tracks as driven over, the body, wheels that turn, steer and flatten, forces, where wheels flew.
 
 Read from the ports of a rover; a run without them has no scene.  Drawn at a reduced rate: plots show every step.
 Nothing is kept but the last frame, however long the run is.
@@ -12,25 +12,35 @@ from typing import Any
 
 import numpy as np
 import rerun as rr
+from scipy.spatial.transform import Rotation
 
-from .style import WHEELS, Colour
+from cosim.system import System
 
-Read = Callable[[str], "np.ndarray | None"]
+from . import tyre
+from .drawing import Drawing, Frames, Read
+from .ports import index
+from .style import WHEELS, Colour, pale
+
 LEFT = np.array([1.0, -1.0, 1.0, -1.0])  # which side of the body a wheel is on, y to the left
-LONGEST = 15.0  # arrow, in radii of a wheel
-SHOULDER = 3.0  # ground beside the track, in radii of a wheel
+LONGEST = 8.0  # arrow, in radii of a wheel
 MARK_EVERY = 5e-3  # m of way between two marks below a flying wheel
 GROUND, TYRE, SPOKE = (150, 138, 118), (48, 48, 54), (220, 220, 225)
 BODY, DECK, NOSE = (90, 140, 190), (70, 74, 80), (250, 240, 170)
 NORMAL, TRACTION, FLIGHT = (70, 200, 95), (250, 150, 40), (230, 45, 45)
+LIMIT = (250, 220, 160)
+
+
+Send = Callable[[str, Any], None]
 
 
 @dataclass
-class Scene:
+class Scene(Drawing):
     """What is drawn: dimensions in m, and the ground of both tracks as points (n, 2) of x and height.
 
     *L_f*, *L_r* are the distances of the axles from the centre of mass, *h* its height above the ground;
     *force_scale* is the length of a force's arrow in m per N; no arrow is longer than LONGEST radii of a wheel.
+    *flattening* exaggerates the deformation of the tyres (see `tyre`), *shoulder* is the ground beside the tracks in m;
+    *limited* tells whether friction has a limit worth drawing.
     """
 
     R: float
@@ -42,31 +52,45 @@ class Scene:
     right: np.ndarray
     force_scale: float = 5e-4
     interval: float = 2e-3  # s between frames
+    flattening: float = 1.0
+    limited: bool = True
+    shoulder: float = 0.3
     root: str = "world"
-    _last: int = field(default=-(2**62), repr=False)
+    _frames: Frames = field(init=False, repr=False)
     _spin: np.ndarray = field(default_factory=lambda: np.zeros(4), repr=False)
     _spin_ns: int = field(default=0, repr=False)
     _marked: np.ndarray = field(default_factory=lambda: np.full(4, -np.inf), repr=False)
 
-    def started(self, recording: Any) -> None:
+    def started(self, recording: Any, system: System) -> None:
         """Draw what does not move."""
 
         def log(path: str, *what: Any) -> None:
             recording.log(f"{self.root}/{path}", *what, static=True)
 
+        self._frames = Frames(self.interval)
         recording.log(self.root, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         for side, sign, points in (("left", 1, self.left), ("right", -1, self.right)):
-            inner, outer = sign * 0.02, sign * (self.half_track + SHOULDER * self.R)
+            inner, outer = sign * 0.02, sign * (self.half_track + self.shoulder)
             log(f"ground/{side}", _strip(points, min(inner, outer), max(inner, outer), band=self.R))
         for part, (centre, half, paint) in self._body().items():
             log(
                 f"robot/body/{part}", rr.Boxes3D(half_sizes=[half], centers=[centre], colors=[paint], fill_mode="solid")
             )
         for wheel in WHEELS:
-            tyre = rr.Cylinders3D(lengths=[self._width], radii=[self.R], colors=[TYRE], fill_mode="solid")
-            half = [self.R * 0.9, self.R * 0.12, self._width * 0.57]
-            log(f"robot/wheel_{wheel}/tyre", tyre)
-            log(f"robot/wheel_{wheel}/spoke", rr.Boxes3D(half_sizes=[half], colors=[SPOKE], fill_mode="solid"))
+            half = [self.R * 0.75, self.R * 0.1, self._width * 0.57]
+            log(f"robot/wheel_{wheel}/tyre", rr.Mesh3D.from_fields(
+                triangle_indices=tyre.triangles(), vertex_normals=tyre.normals(),
+                albedo_factor=TYRE,
+            ))  # fmt: skip
+            box = rr.Boxes3D(half_sizes=[[half[0], half[2], half[1]]], colors=[SPOKE], fill_mode="solid")
+            log(f"robot/wheel_{wheel}/spoke", box)
+
+    @property
+    def caption(self) -> str:
+        """What a reader of the scene must know to read it."""
+        longest = LONGEST * self.R / self.force_scale / 1e3  # kN
+        colours = f"normal green, along ground orange, limit pale, to {longest:.2g} kN; flew red"
+        return colours if self.flattening == 1 else f"{colours}; tyre flats x{self.flattening:g}"
 
     @property
     def _width(self) -> float:
@@ -87,27 +111,39 @@ class Scene:
     def emit(self, recording: Any, ns: np.ndarray, step: np.ndarray, read: Read) -> None:
         """Draw the frames of one chunk; *read* gives a port's values in it, (n, ...)."""
         position, q, centres = read("body.position"), read("body.orientation"), read("body.wheel_centre")
-        if position is None or q is None or centres is None:
+        normals = read("body.contact_normal")
+        if position is None or q is None or centres is None or normals is None:
             return
         spin = self._turned(ns, read("body.contact_velocity"))
         self._flights(recording, ns, step, centres, read("body.gap"))
-        frames = self._frames(ns)
+        frames = self._frames.of(ns)
         if not len(frames):
             return
 
         def send(path: str, columns: Any) -> None:
-            recording.send_columns(f"{self.root}/{path}", _index(ns[frames], step[frames]), columns)
+            recording.send_columns(f"{self.root}/{path}", index(ns[frames], step[frames]), columns)
 
-        q = q[frames]
-        send("robot/body", rr.Transform3D.columns(translation=position[frames], quaternion=_xyzw(q)))
-        upright = np.tile([np.sqrt(0.5), np.sqrt(0.5), 0, 0], (len(frames), 1))  # the cylinder's z axis to the axle's y
+        quaternion = q[frames][:, [1, 2, 3, 0]]  # Rerun and scipy write the scalar last
+        send("robot/body", rr.Transform3D.columns(translation=position[frames], quaternion=quaternion))
+        steer = read("body.steer")
+        axles = _axles(quaternion, None if steer is None else steer[frames])
+        self._wheels(send, centres[frames], _upright(axles, normals[frames]), spin[frames], _at(frames, read))
+        self._forces(send, centres[frames], axles, _at(frames, read))
+
+    def _wheels(self, send: Send, centres: np.ndarray, upright: np.ndarray, spin: np.ndarray, read: Read) -> None:
+        """Draw the wheels: the frame of each along its ground, in it the flattened tyre and the turning spoke."""
+        deformation = read("wheels.deformation")
         for k, wheel in enumerate(WHEELS):
-            turned = _product(_product(q, _about_y(spin[frames, k])), upright)
-            send(
-                f"robot/wheel_{wheel}",
-                rr.Transform3D.columns(translation=centres[frames, k], quaternion=_xyzw(turned)),
-            )
-        self._forces(send, frames, q, centres, read)
+            turned = Rotation.from_matrix(upright[:, k]).as_quat()
+            send(f"robot/wheel_{wheel}", rr.Transform3D.columns(translation=centres[:, k], quaternion=turned))
+            about = np.zeros((len(spin), 4))
+            about[:, 1], about[:, 3] = np.sin(spin[:, k] / 2), np.cos(spin[:, k] / 2)
+            send(f"robot/wheel_{wheel}/spoke", rr.Transform3D.columns(quaternion=about))
+            pressed = np.zeros(len(spin)) if deformation is None else np.maximum(0.0, -deformation[:, k])
+            vertices = tyre.shape(self.R, self._width, pressed, self.flattening)
+            rows = np.full(len(vertices), vertices.shape[1])
+            columns = rr.Mesh3D.columns(vertex_positions=vertices.reshape(-1, 3))
+            send(f"robot/wheel_{wheel}/tyre", columns.partition(rows))
 
     def _turned(self, ns: np.ndarray, velocity: np.ndarray | None) -> np.ndarray:
         """Return the angles the wheels have rolled, (n, 4), as if without slip."""
@@ -118,35 +154,37 @@ class Scene:
         self._spin, self._spin_ns = angles[-1], int(ns[-1])
         return angles
 
-    def _frames(self, ns: np.ndarray) -> np.ndarray:
-        chosen = []
-        for i, t in enumerate(ns):
-            if t - self._last >= self.interval * 1e9:
-                chosen.append(i)
-                self._last = int(t)
-        return np.array(chosen, int)
-
-    def _forces(self, send: Callable[[str, Any], None], frames: np.ndarray, q: np.ndarray, centres: np.ndarray,
-                read: Read) -> None:  # fmt: skip
+    def _forces(self, send: Send, centres: np.ndarray, axles: np.ndarray, read: Read) -> None:
         """Draw the forces of the ground on the wheels, from the contact, beside the tyre that would hide them."""
-        normals = read("body.contact_normal")
-        if normals is None:
-            return
-        n, axle = len(frames), _y_axis(q)
-        beside = LEFT[None, :, None] * axle[:, None, :] * (0.6 * self._width)
-        origins = centres[frames] - self.R * normals[frames] + beside
-        for what, size, direction, paint in (
-            ("normal", read("wheels.normal_force"), normals, NORMAL),
-            ("traction", read("wheels.traction"), read("body.traction_direction"), TRACTION),
-        ):
-            if size is None or direction is None:
-                continue
-            length = np.clip(self.force_scale * size[frames], -LONGEST * self.R, LONGEST * self.R)
-            arrows = length[:, :, None] * direction[frames]
+        normals, ahead = np.asarray(read("body.contact_normal")), read("body.traction_direction")
+        foot = centres - self.R * normals + LEFT[None, :, None] * axles * (0.6 * self._width)
+        n = len(foot)
+
+        def arrows(what: str, force: np.ndarray, paint: Colour, radius: float, aside: float = 0.0) -> None:
+            vectors = self.force_scale * force
+            size = np.linalg.norm(vectors, axis=2, keepdims=True)
+            vectors = vectors * np.minimum(1.0, LONGEST * self.R / np.maximum(size, 1e-12))
+            origins = foot + LEFT[None, :, None] * axles * aside
             send(f"forces/{what}", rr.Arrows3D.columns(
-                origins=origins.reshape(-1, 3), vectors=arrows.reshape(-1, 3), colors=[paint] * (4 * n),
-                radii=[0.14 * self.R] * (4 * n),
+                origins=origins.reshape(-1, 3), vectors=vectors.reshape(-1, 3), colors=[paint] * (4 * n),
+                radii=[radius * self.R] * (4 * n),
             ).partition(np.full(n, 4)))  # fmt: skip
+
+        normal, traction, lateral, limit = (
+            read(f"wheels.{port}") for port in ("normal_force", "traction", "lateral", "friction_limit")
+        )
+        if normal is not None:
+            arrows("normal", normal[:, :, None] * normals, NORMAL, 0.14)
+        if traction is None or ahead is None:
+            return
+        along = traction[:, :, None] * ahead
+        if lateral is not None:
+            along = along + lateral[:, :, None] * np.cross(normals, ahead)
+        arrows("traction", along, TRACTION, 0.14)
+        if limit is not None and self.limited:
+            size = np.linalg.norm(along, axis=2, keepdims=True)
+            way = np.where(size > 1e-9, along / np.maximum(size, 1e-9), ahead)  # where it would act
+            arrows("limit", limit[:, :, None] * way, LIMIT, 0.06, aside=0.3 * self.R)
 
     def _flights(
         self, recording: Any, ns: np.ndarray, step: np.ndarray, centres: np.ndarray, gap: np.ndarray | None
@@ -168,7 +206,7 @@ class Scene:
             marks = rr.Points3D.columns(
                 positions=points, colors=[FLIGHT] * len(points), radii=[0.1 * self.R] * len(points)
             )
-            recording.send_columns(f"{self.root}/flights", _index(ns[rows], step[rows]), marks)
+            recording.send_columns(f"{self.root}/flights", index(ns[rows], step[rows]), marks)
 
 
 def painted(colour: Colour, *, ghost: bool) -> dict[str, Any]:
@@ -185,14 +223,11 @@ def painted(colour: Colour, *, ghost: bool) -> dict[str, Any]:
     wheels: dict[str, Any] = {}
     if ghost:
         for wheel in WHEELS:
-            wheels[f"robot/wheel_{wheel}/tyre"] = rr.Cylinders3D.columns(colors=[colour], **mode)
+            wheels[f"robot/wheel_{wheel}/tyre"] = rr.Mesh3D.columns(albedo_factor=[(*colour, 110)])
             wheels[f"robot/wheel_{wheel}/spoke"] = rr.Boxes3D.columns(colors=[colour])
     forces = {f"forces/{what}": rr.Arrows3D.columns(colors=[colour]) for what in ("normal", "traction")}
+    forces["forces/limit"] = rr.Arrows3D.columns(colors=[pale(colour)])
     return {**body, **wheels, **forces, "flights": rr.Points3D.columns(colors=[colour])}
-
-
-def _index(ns: np.ndarray, step: np.ndarray) -> list[Any]:
-    return [rr.TimeColumn("sim_time", duration=ns.astype("timedelta64[ns]")), rr.TimeColumn("step", sequence=step)]
 
 
 def _strip(points: np.ndarray, y0: float, y1: float, band: float) -> rr.Mesh3D:
@@ -209,21 +244,26 @@ def _strip(points: np.ndarray, y0: float, y1: float, band: float) -> rr.Mesh3D:
     return rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_colors=colours)
 
 
-def _about_y(angle: np.ndarray) -> np.ndarray:
-    zero = np.zeros_like(angle)
-    return np.column_stack([np.cos(angle / 2), zero, np.sin(angle / 2), zero])
+def _at(frames: np.ndarray, read: Read) -> Read:
+    """Return what *read* gives, at *frames* only."""
+
+    def chosen(port: str) -> np.ndarray | None:
+        values = read(port)
+        return None if values is None else values[frames]
+
+    return chosen
 
 
-def _y_axis(q: np.ndarray) -> np.ndarray:
-    """Return the body's y axis in the world, (n, 3), for quaternions (n, 4), scalar first."""
-    w, x, y, z = q.T
-    return np.column_stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)])
+def _axles(quaternion: np.ndarray, steer: np.ndarray | None) -> np.ndarray:
+    """Return the axle of each wheel in the world, (n, 4, 3), to the left, for attitudes (n, 4), scalar last."""
+    angle = np.zeros((len(quaternion), 4)) if steer is None else steer
+    local = np.stack([-np.sin(angle), np.cos(angle), np.zeros_like(angle)], axis=2)
+    turned: np.ndarray = np.einsum("nij,nkj->nki", Rotation.from_quat(quaternion).as_matrix(), local)
+    return turned
 
 
-def _xyzw(q: np.ndarray) -> np.ndarray:
-    return q[:, [1, 2, 3, 0]]
-
-
-def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    w, v, s, u = a[:, :1], a[:, 1:], b[:, :1], b[:, 1:]
-    return np.column_stack([w * s - np.sum(v * u, axis=1, keepdims=True), w * u + s * v + np.cross(v, u)])
+def _upright(axles: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Return rotations (n, 4, 3, 3) that turn y to the axle and z to the normal of the ground, across the axle."""
+    up = normals - np.sum(normals * axles, axis=2, keepdims=True) * axles
+    up /= np.linalg.norm(up, axis=2, keepdims=True)
+    return np.stack([np.cross(axles, up), axles, up], axis=3)

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from cosim.errors import CosimError
+from cosim.errors import CosimError, ScenarioError
 
 from . import cli_fmu, cli_inspect, cli_logs, present
-from .terminal import complain
+from .terminal import complain, note
+
+if TYPE_CHECKING:
+    from logs.live import Viewer
 
 app = typer.Typer(
     name="wmr-cosim",
@@ -40,6 +45,9 @@ Set = Annotated[
 Step = Annotated[float | None, typer.Option(help="Macro step in s, e.g. 1e-4.")]
 Duration = Annotated[float | None, typer.Option(help="Simulated time in s.")]
 Out = Annotated[Path | None, typer.Option(help="Folder for logs and pictures; default logs/runs, installed ./runs.")]
+Serve = Annotated[
+    bool, typer.Option("--serve", help="The same in a browser: serve a web viewer to this machine, until Ctrl-C.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document (SI units) instead of tables.")]
 
 
@@ -75,33 +83,46 @@ def run(
     step: Step = None,
     duration: Duration = None,
     out: Out = None,
-    view: Annotated[
-        bool, typer.Option("--view", help="Open the Rerun viewer on the log when the run is done.")
-    ] = False,
+    view: Annotated[bool, typer.Option("--view", help="Open the Rerun viewer and watch the run as it goes.")] = False,
+    serve: Serve = False,
+    pace: Annotated[
+        float | None, typer.Option(help="Go no faster than so many times real time, e.g. 1.0, or 0.1 for an impact.")
+    ] = None,
     no_log: Annotated[bool, typer.Option("--no-log", help="Write no Rerun file.")] = False,
     json: AsJson = False,
 ) -> None:
     """Run one variant of a scenario, log every step of every port to a Rerun file, and print the verdict.
 
     The log is SCENARIO-VARIANT.rrd in the folder --out; it replaces the one of an earlier run. Exit code 1 if the run
-    did not reach its end: its log is kept up to there and says so.
+    did not reach its end: its log is kept up to there and says so.  With --view or --serve a viewer shows the run while
+    it goes, beside the log; nobody but this machine can connect to it.
 
     Example: wmr-cosim run ramp-impact --variant pd --set wheels.mu=0.6 --step 1e-4
     """
     from . import session
 
-    if view and no_log:
-        raise typer.BadParameter("--view needs the log that --no-log leaves out")
-    done = session.run_one(scenario, variant, _changes(set_, step, duration), out, log=not no_log, quiet=json)
-    present.show_run(done, json)
-    if view and done.log:
-        present.open_viewer(done.log)
+    if pace is not None and pace <= 0:
+        raise typer.BadParameter(f"--pace must be above 0, not {pace:g}")
+    changes = _changes(set_, step, duration)
+    with _viewer(view=view, serve=serve) as shown:
+        done = session.run_one(
+            scenario, variant, changes, out, log=not no_log, quiet=json, viewer=shown.url if shown else "", pace=pace
+        )
+        present.show_run(done, json)
     _finish([done])
 
 
 @app.command()
 def compare(
-    scenario: ScenarioName,
+    scenario: Annotated[
+        list[str], typer.Argument(help="A scenario's name or a TOML file; with --logs the logs of two runs or more.")
+    ],
+    logs: Annotated[
+        bool, typer.Option("--logs", help="Run nothing: compare the runs of old logs, as they are.")
+    ] = False,
+    baseline: Annotated[
+        str | None, typer.Option(help="The variant that differences are taken to; default: the first.")
+    ] = None,
     variants: Annotated[str | None, typer.Option(help="Comma-separated variants; default: all of the file.")] = None,
     set_: Set = None,
     step: Step = None,
@@ -109,33 +130,71 @@ def compare(
     out: Out = None,
     report: Annotated[Path | None, typer.Option(help="Write an HTML report to this file.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the Rerun viewer on the combined log.")] = False,
+    serve: Serve = False,
     no_log: Annotated[bool, typer.Option("--no-log", help="Write no Rerun files.")] = False,
+    full: Annotated[bool, typer.Option("--full", help="Print all figures, not only those that decide.")] = False,
     json: AsJson = False,
 ) -> None:
-    """Run all variants on the same ground and put the verdicts in one table, the best of each row marked.
+    """Run all variants on the same ground and put the verdicts in one table, the best of each figure marked.
 
     Writes to the folder --out: SCENARIO-VARIANT.rrd for each, SCENARIO-all.rrd with all of them overlaid and their
-    differences to the first (B - A), and the picture SCENARIO.png.
+    differences to the baseline (B - A), and the picture SCENARIO.png.  With --logs nothing is run: the logs of runs of
+    any age are set side by side, in SCENARIO-logs-all.rrd and SCENARIO-logs.png.
 
     Example: wmr-cosim compare ramp-impact-realistic --variants uncontrolled,pd --report report.html
-    """
-    from . import session
 
-    if view and no_log:
-        raise typer.BadParameter("--view needs the log that --no-log leaves out")
-    names = tuple(filter(None, (v.strip() for v in variants.split(",")))) if variants else None
+    Example: wmr-cosim compare --logs a.rrd b.rrd --baseline pd
+    """
+    if (view or serve) and no_log:
+        raise typer.BadParameter(f"--{'view' if view else 'serve'} needs the log that --no-log leaves out")
     changes = _changes(set_, step, duration)
-    done = session.compare(scenario, names, changes, out, log=not no_log, report=report, quiet=json)
-    present.show_comparison(done, json)
+    if logs:
+        from .recall import compare_logs
+
+        if changes or variants or no_log:
+            left_out = "--set, --step, --duration, --variants and --no-log"
+            raise ScenarioError(f"--logs compares runs as they were: leave out {left_out}")
+        done = compare_logs([Path(s) for s in scenario], out, baseline=baseline, report=report, quiet=json)
+    else:
+        from . import session
+
+        if len(scenario) > 1:
+            raise ScenarioError(f"compare runs one scenario, not {len(scenario)}; are these logs? then add --logs")
+        names = tuple(filter(None, (v.strip() for v in variants.split(",")))) if variants else None
+        done = session.compare(
+            scenario[0], names, changes, out, log=not no_log, report=report, quiet=json, baseline=baseline
+        )
+    present.show_comparison(done, json, full)
     shown = done.combined or next((r.log for r in done.runs if r.log), None)
-    if view and shown:
-        present.open_viewer(shown)
-    _finish(done.runs)
+    if shown:
+        with _viewer(shown, view=view, serve=serve):
+            pass
+    _finish(done.runs if not logs else [])
 
 
 app.command("inspect")(cli_inspect.inspect)
 app.command("logs")(cli_logs.logs)
 app.add_typer(cli_fmu.app, name="fmu")
+
+
+@contextmanager
+def _viewer(log: Path | None = None, *, view: bool, serve: bool) -> Iterator[Viewer | None]:
+    """Show *log*, or what is sent to the viewer: a window stays when the command ends, a web page until Ctrl-C."""
+    if not (view or serve):
+        yield None
+        return
+    from logs import live
+
+    shown = live.start(log, web=serve)
+    try:
+        if serve:
+            note(f"look at it at {shown.page}")
+        yield shown
+    except BaseException:
+        shown.close()
+        raise
+    if serve:
+        shown.wait(lambda: note("the page is served until Ctrl-C"))
 
 
 def _changes(texts: list[str] | None, step: float | None, duration: float | None) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,8 +11,11 @@ from rich.table import Table
 
 from cosim.errors import ScenarioError, nearest
 
-from .present import number, say_table
+from . import cli_same
 from .terminal import listing, out, plain, print_json, progress
+from .verdicts import number, say_table
+
+LONGEST = 60  # characters of a value in a table
 
 
 def inspect(
@@ -22,36 +26,51 @@ def inspect(
     metrics: Annotated[bool, typer.Option("--metrics", help="Only the verdict of the run.")] = False,
     csv: Annotated[Path | None, typer.Option(help="Write the signals to a CSV file, one column per value.")] = None,
     parquet: Annotated[Path | None, typer.Option(help="Write the signals to a Parquet file.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document (SI units) instead of tables.")] = False,
+    mcap: Annotated[Path | None, typer.Option(help="Write the signals to an MCAP file.")] = None,
+    diff: Annotated[
+        Path | None,
+        typer.Option(help="Compare every bit with another log; for runs on other steps use compare --logs."),
+    ] = None,
+    rerun: Annotated[
+        bool, typer.Option("--rerun", help="Run it again from what it says about itself and compare every bit.")
+    ] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document (SI units) instead of tables.")
+    ] = False,
 ) -> None:
-    """Say what a log is: configuration, outcome, verdict, events, and statistics of every signal with its unit.
+    """Say what a log is: configuration, outcome, verdict, health, events, and statistics of every signal with its unit.
+
+    With --diff or --rerun it says instead whether two runs are the same to the bit, and exits with 1 if they are not.
 
     Example: wmr-cosim inspect logs/runs/ramp-impact-pd.rrd --signals 'wheels.*' --csv wheels.csv
     """
     from logs.inspect import describe, export
 
-    with progress(json) as bar:
+    if rerun:
+        cli_same.show_rerun(log, as_json)
+        return
+    patterns = [p.strip() for p in signals.split(",")] if signals else []
+    if diff is not None:
+        cli_same.show_diff(log, diff, patterns, as_json)
+        return
+    files = [file for file in (csv, parquet, mcap) if file is not None]
+    with progress(as_json) as bar:
         bar(f"reading {log}")
-        facts = describe(log, _patterns(signals))
+        facts = describe(log, patterns)
         if signals and not facts["signals"]:
             raise ScenarioError(f"the log {log} has no signal like {signals!r}; {nearest(signals, facts['ports'])}")
-        for file in (csv, parquet):
-            if file is not None:
-                bar(f"writing {file}")
-                export(log, file, list(facts["signals"]))
-    if json:
+        facts["health"] = describe(log, ["master.*"])["signals"]
+        for file in files:
+            bar(f"writing {file}")
+            export(log, file, list(facts["signals"]))
+    if as_json:
         print_json(facts)
         return
     _show_facts(facts, only_verdict=metrics)
     if not metrics:
         _show_signals(facts["signals"])
-    for file in (csv, parquet):
-        if file is not None:
-            out().print(f"wrote {plain(str(file))}", soft_wrap=True)
-
-
-def _patterns(signals: str | None) -> list[str]:
-    return [p.strip() for p in signals.split(",")] if signals else []
+    for file in files:
+        out().print(f"wrote {plain(str(file))}", soft_wrap=True)
 
 
 def _show_facts(facts: dict[str, Any], *, only_verdict: bool) -> None:
@@ -65,12 +84,44 @@ def _show_facts(facts: dict[str, Any], *, only_verdict: bool) -> None:
         for title, table in tables.items():
             if title != "metrics":
                 console.print(listing(title, {k: str(v) for k, v in table.items() if k != "config_json"}))
+        if "config_json" in tables.get("run", {}):
+            console.print(listing("configuration", configuration(json.loads(tables["run"]["config_json"]))))
+        console.print(listing("health of the master", _health(facts["health"])))
     units = _spelt(facts["units"].get("metrics", {}))
     verdict = {k: f"{number(v)} {units.get(k, '')}".strip() for k, v in tables.get("metrics", {}).items()}
     if verdict:
         console.print(listing("verdict", verdict))
     for time, text in facts["events"] if not only_verdict else ():
         console.print(f"{time:.9f} s  {plain(text)}", soft_wrap=True)
+
+
+def configuration(table: dict[str, Any]) -> dict[str, str]:
+    """Return a scenario's values by their keys as --set takes them, long lists cut; what is empty is left out."""
+    found: dict[str, str] = {}
+    for key, value in table.items():
+        if key in ("title", "claim", "name", "variant"):  # said by the table of the run
+            continue
+        if isinstance(value, dict):
+            found |= {f"{key}.{inner}": text for inner, text in configuration(value).items()}
+        elif value not in (None, [], ""):
+            text = json.dumps(value)
+            found[key] = text if len(text) <= LONGEST else f"{text[:LONGEST]} ... ({len(value)} values)"
+    return found
+
+
+def _health(statistics: dict[str, dict[str, Any]]) -> dict[str, str]:
+    """Return how the master fared: its series by name, in words."""
+    found = {}
+    for port, s in statistics.items():
+        name, unit = port.removeprefix("master."), s["unit"]
+        found[name] = f"{number(s['min'])} to {number(s['max'])} {unit}, mean {number(s['mean'])} {unit}"
+    if wall := statistics.get("master.wall"):
+        steps = wall["rows"]
+        found["wall"] = (
+            f"{wall['mean'] * steps:.3g} s for {steps - 1} steps, {1e6 * wall['mean']:.3g} us each, "
+            f"the slowest {1e3 * wall['max']:.3g} ms"
+        )
+    return found
 
 
 def _show_verdicts(facts: dict[str, Any], variants: list[str]) -> None:

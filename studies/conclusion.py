@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+from cosim.scenario import Scenario
 
 from .metrics import Metric
 
@@ -23,7 +25,7 @@ def _contact(v: Mapping[str, float | None]) -> str:
     if not _off(v):
         return "keeps all wheels on the ground"
     parts = [
-        f"{v[f'{axle}_off']:.3g} ms at the {axle} ({v[f'{axle}_rebounds']:.0f} rebounds)"
+        f"{_round(v[f'{axle}_off'])} ms at the {axle} ({v[f'{axle}_rebounds']:.0f} rebounds)"
         for axle in ("front", "rear")
         if v.get(f"{axle}_off")
     ]
@@ -34,7 +36,27 @@ def _cost(v: Mapping[str, float | None]) -> str:
     demand, saturated, energy = v.get("demand_peak"), v.get("saturated"), v.get("actuator_energy")
     if not demand and not energy:
         return "without traction"
-    parts = [f"up to {demand:.3g} N asked of a wheel"] if demand else []
-    parts += [f"{energy:.3g} J of actuator work"] if energy else []
+    parts = [f"up to {_round(demand)} N asked of a wheel"] if demand else []
+    parts += [f"{_round(energy)} J of actuator work"] if energy else []
     parts += [f"a wheel at its friction limit {saturated:.2g} % of the time"] if saturated else []
     return "with " + ", ".join(parts)
+
+
+def _round(value: float | None) -> str:
+    """Return three significant digits, without an exponent where a reader would not expect one."""
+    return f"{float(f'{value:.3g}'):g}"
+
+
+def heading(scenarios: Sequence[Scenario]) -> str:
+    """Return what a comparison of runs of these scenarios is called."""
+    names = list(dict.fromkeys(s.name for s in scenarios))
+    return scenarios[0].title if len(names) == 1 else f"Runs of {', '.join(names)}"
+
+
+def mixed(scenarios: Sequence[Scenario]) -> tuple[str, ...]:
+    """Return what is to be said if these scenarios are not one: their obstacles and starts differ, too."""
+    names = list(dict.fromkeys(s.name for s in scenarios))
+    if len(names) < 2:
+        return ()
+    made = ", ".join(f"{s.variant} of {s.name}" for s in scenarios)
+    return (f"these are runs of different scenarios ({made}): what differs is not only what is compared",)

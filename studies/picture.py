@@ -7,11 +7,8 @@ import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
 
 from logs.panels import DECISIVE, PANELS, Panel
 from logs.style import colour
@@ -34,9 +31,8 @@ def draw(results: list[Result], path: Path) -> Path:
     """Draw all panels that any of the runs has signals for, the decisive ones first; returns the path of the PNG."""
     shown = [p for p in PANELS if any(p.read(r.signal) is not None for r in results)]
     rows = max(1, -(-len(shown) // 2))
-    figure, axes = plt.subplots(
-        rows, 2, figsize=(14, 2.3 * rows + 0.8), sharex=True, layout="constrained", squeeze=False
-    )
+    figure = Figure(figsize=(14, 2.3 * rows + 0.8), layout="constrained")  # pyplot would choose who shows it
+    axes = figure.subplots(rows, 2, sharex=True, squeeze=False)
     for axis, panel in zip(axes.flat, shown, strict=False):
         _draw_panel(axis, panel, results)
     for axis in axes.flat[len(shown) :]:
@@ -46,14 +42,14 @@ def draw(results: list[Result], path: Path) -> Path:
     handles, labels = axes.flat[0].get_legend_handles_labels()
     if len(labels) > 1:
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), PER_ROW), frameon=False)
-    scenario = results[0].scenario
-    figure.suptitle(f"{scenario.name}: {scenario.title}", x=0.01, ha="left", fontsize=12)
+    names = list(dict.fromkeys(r.scenario.name for r in results))
+    title = f"{names[0]}: {results[0].scenario.title}" if len(names) == 1 else f"Runs of {', '.join(names)}"
+    figure.suptitle(title, x=0.01, ha="left", fontsize=12)
     part = path.with_suffix(f".{secrets.token_hex(4)}.png.part")
     try:
         figure.savefig(part, dpi=100, format="png")
         os.replace(part, path)
     finally:
-        plt.close(figure)
         part.unlink(missing_ok=True)
     return path
 

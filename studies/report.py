@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-import matplotlib.pyplot as plt
 import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
@@ -20,7 +19,7 @@ from cosim.errors import ScenarioError
 from logs.panels import PANELS
 from logs.style import colour
 
-from .conclusion import conclusion
+from .conclusion import conclusion, heading, mixed
 from .metrics import table
 from .present import number
 from .runner import Result
@@ -36,6 +35,8 @@ def write_report(results: list[Result], path: Path, command: str = "") -> Path:
     scenario = results[0].scenario
     text = _template().render(
         scenario=scenario,
+        title=heading([r.scenario for r in results]),
+        notes=mixed([r.scenario for r in results]),
         sentences=conclusion(columns),
         variants=list(columns),
         colours={name: _hex(i) for i, name in enumerate(columns)},
@@ -115,5 +116,4 @@ def _picture(figure: Any) -> str:
         return ""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=100)
-    plt.close(figure)
     return base64.b64encode(buffer.getvalue()).decode()

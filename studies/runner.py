@@ -50,6 +50,11 @@ class Result:
         """Return a port's values (n, ...), or None if the run has no such port."""
         return self.record.get(name)
 
+    def _repr_html_(self) -> str:
+        from .show import result_html
+
+        return result_html(self)
+
 
 def instantiate(assembly: Assembly, say: Progress = lambda text: None) -> dict[str, Instance]:
     """Build (or find in the cache) and load one FMU per slot, parameters and start values set."""

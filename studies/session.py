@@ -4,37 +4,37 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from cosim.errors import ScenarioError
 from cosim.instance import Instance
 from cosim.observer import Observer, Point, RunInfo, Summary
 from cosim.record import Record
 from cosim.scenario import Scenario
-from logs.blueprint import Camera, run_blueprint
-from logs.compare import combine
+from logs.blueprint import run_blueprint
+from logs.compare import baseline_first, combine
 from logs.ports import chosen
 from logs.recorder import RerunRecorder
-from logs.scene import Scene
-from plants.tables import G
 
+from . import inputs
 from .assembly import Assembly
 from .catalog import find_scenario
+from .conclusion import conclusion, heading, mixed
+from .drawn import camera, drawn, gap_mismatch
 from .metrics import as_mapping, markdown, table
+from .origin import origin
 from .picture import draw, drawable
 from .places import run_folder
-from .runner import Result, execute, judge, obstacle_start, provenance
+from .runner import Result, execute, judge, provenance
 from .terminal import SILENT, Bar, progress
 
-FAR = 3.0  # m of way, beyond which a camera that stands still sees the robot leave
-FRAMES = 500  # of the scene, at most
-FORCE_ARROW = 3.0  # radii of a wheel: how long the arrow of a quarter of the weight is
+Observers = Callable[[Assembly, dict[str, Instance], Record], list[Observer]]
 
 
 @dataclass
@@ -43,6 +43,11 @@ class Done:
 
     result: Result
     log: Path | None
+
+    def _repr_html_(self) -> str:
+        from .show import result_html
+
+        return result_html(self.result, self.log)
 
 
 @dataclass
@@ -53,17 +58,44 @@ class Comparison:
     combined: Path | None
     picture: Path | None
     report: Path | None = None
+    notes: tuple[str, ...] = ()  # what is worth knowing before the numbers are read
+
+    def _repr_html_(self) -> str:
+        from .show import comparison_html
+
+        return comparison_html(self)
 
 
 def run_one(
-    name: str, variant: str | None, changes: list[str], out: Path | None, *, log: bool = True, quiet: bool = False
+    name: str,
+    variant: str | None,
+    changes: list[str],
+    out: Path | None,
+    *,
+    log: bool = True,
+    quiet: bool = False,
+    viewer: str = "",
+    pace: float | None = None,
 ) -> Done:
-    """Run one variant of a scenario; *changes* are ``--set`` texts."""
+    """Run one variant of a scenario; *changes* are ``--set`` texts.
+
+    *viewer* is the address of one that shows the run while it goes; *pace* is how many times real time it may be fast.
+    """
     file = find_scenario(name)
     scenario = file.load(variant, file.overrides(changes))
     folder = run_folder(out) if log else None
+
+    def watching(assembly: Assembly, instances: dict[str, Instance], record: Record) -> list[Observer]:
+        from logs.live import LiveRecorder, Pacer
+
+        shown = partial(LiveRecorder, url=viewer)
+        return [
+            *([log_observer(assembly, Path(assembly.scenario.name), instances, record, shown)] if viewer else []),
+            *([Pacer(pace)] if pace is not None else []),
+        ]
+
     with progress(quiet) as bar:
-        return run_scenario(scenario, folder, bar)
+        return run_scenario(scenario, folder, bar, watching)
 
 
 def compare(
@@ -75,39 +107,58 @@ def compare(
     log: bool = True,
     report: Path | None = None,
     quiet: bool = False,
+    baseline: str | None = None,
 ) -> Comparison:
     """Run several variants of a scenario (all, if none are named), combine their logs and draw the picture.
 
-    *report* is where the HTML report goes, if there is to be one.
+    *report* is where the HTML report goes, if there is to be one; *baseline* is what the others are compared to, the
+    first if it is not named.
     """
     file = find_scenario(name)
     names = tuple(dict.fromkeys(variants or file.variants))
     if not names:
         raise ScenarioError(f"{file.path} has no variants to compare; add [variants.NAME] tables, or use run")
     overrides = file.overrides(changes)
-    scenarios = [file.load(v, overrides) for v in names]  # all are read before the first is run
+    # all are read before the first is run
+    scenarios = list(baseline_first({v: file.load(v, overrides) for v in names}, baseline).values())
     folder = run_folder(out)
     with progress(quiet) as bar:
         runs = [run_scenario(s, folder if log else None, bar) for s in scenarios]
-        kept = [r for r in runs if r.result.metrics]
-        combined = None
-        logs = {r.result.scenario.variant: r.log for r in kept if r.log is not None}
-        if len(logs) > 1:
-            bar("combining the logs")
-            combined = folder / f"{_stem(scenarios[0], '')}-all.rrd"
-            text = markdown(scenarios[0], table({r.result.scenario.variant: r.result.metrics for r in kept}))
-            camera = _camera(kept[0].result.assembly)
-            combine(logs, combined, title=scenarios[0].title, report=text, camera=camera)
-        picture = None
-        if drawable(results := [r.result for r in kept]):
-            bar("drawing the picture")
-            picture = draw(results, folder / f"{scenarios[0].name}.png")
-        if report is not None and results:
-            from .report import write_report  # Plotly takes a while to import
+        return put_together(runs, folder, scenarios[0].name, report, bar)
 
-            bar("writing the report")
-            write_report(results, report, " ".join(["wmr-cosim", *sys.argv[1:]]))
-    return Comparison(runs, combined, picture, report if results else None)
+
+def put_together(runs: list[Done], folder: Path, stem: str, report: Path | None, bar: Bar) -> Comparison:
+    """Combine the logs of *runs* into STEM-all.rrd, the first the baseline; draw STEM.png and write the *report*."""
+    kept = [r for r in runs if r.result.metrics]
+    results = [r.result for r in kept]
+    combined, picture = None, None
+    logs = {r.result.scenario.variant: r.log for r in kept if r.log is not None}
+    if len(logs) > 1:
+        bar("combining the logs")
+        combined = folder / f"{stem.replace('/', '-')}-all.rrd"
+        title = heading([r.scenario for r in results])
+        combine(logs, combined, title=title, report=_document(results), camera=camera(results[0].assembly))
+    if drawable(results):
+        bar("drawing the picture")
+        picture = draw(results, folder / f"{stem}.png")
+    if report is not None and results:
+        from .report import write_report  # Plotly takes a while to import
+
+        bar("writing the report")
+        write_report(results, report, " ".join(["wmr-cosim", *sys.argv[1:]]))
+    notes = mixed([r.result.scenario for r in runs])
+    return Comparison(runs, combined, picture, report if results else None, notes)
+
+
+def _document(results: list[Result]) -> str:
+    """Return the verdict as Markdown: who kept the ground in words, then all figures side by side."""
+    columns = {r.scenario.variant: r.metrics for r in results}
+    sentences = [f"- {sentence}" for sentence in conclusion(columns)]
+    scenarios = [r.scenario for r in results]
+    about = scenarios[0].model_copy(update={"title": heading(scenarios)})
+    if notes := mixed(scenarios):
+        about = about.model_copy(update={"claim": f"Note: {notes[0]}."})
+    return "\n".join([*sentences, "", markdown(about, table(columns))])
 
 
 class _Watcher(Observer):
@@ -127,8 +178,8 @@ class _Watcher(Observer):
         self.bar(self.label, 1.0)
 
 
-def run_scenario(scenario: Scenario, folder: Path | None, bar: Bar = SILENT) -> Done:
-    """Run a scenario as it is, with its log in *folder*; None: without a log."""
+def run_scenario(scenario: Scenario, folder: Path | None, bar: Bar = SILENT, more: Observers = lambda *run: []) -> Done:
+    """Run a scenario as it is, with its log in *folder*; None: without a log.  *more* observers come last."""
     label = f"{scenario.name} {scenario.variant}".strip()
     path = folder / f"{_stem(scenario, scenario.variant)}.rrd" if folder else None
 
@@ -137,14 +188,20 @@ def run_scenario(scenario: Scenario, folder: Path | None, bar: Bar = SILENT) -> 
     def observers(assembly: Assembly, instances: dict[str, Instance], record: Record) -> list[Observer]:
         if path is not None:
             loggers.append(log_observer(assembly, path, instances, record))
-        return [_Watcher(bar, label), *loggers]
+        return [_Watcher(bar, label), *loggers, *more(assembly, instances, record)]
 
     result = execute(scenario, observers, lambda text: bar(f"{label}: {text}"))
     return Done(result, loggers[0].file if loggers else None)
 
 
-def log_observer(assembly: Assembly, path: Path, instances: dict[str, Instance], record: Record) -> RerunRecorder:
-    """Return the observer that logs a run of *assembly* to *path*, with scene, blueprint, properties and verdict."""
+def log_observer(
+    assembly: Assembly,
+    path: Path,
+    instances: dict[str, Instance],
+    record: Record,
+    recorder: Callable[..., RerunRecorder] = RerunRecorder,
+) -> RerunRecorder:
+    """Return the *recorder* that logs a run of *assembly* to *path*, with scene, blueprint, properties and verdict."""
     scenario = assembly.scenario
     config = json.dumps(scenario.model_dump(mode="json"), sort_keys=True)
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%S.%f")[:-3]
@@ -156,23 +213,26 @@ def log_observer(assembly: Assembly, path: Path, instances: dict[str, Instance],
         units = {"metric": [m.key for m in rows], "unit": [m.unit for m in rows]}
         return {"metrics": as_mapping(rows), "metric_units": units}, report
 
+    drawings, look = drawn(assembly, instances, record)
     properties: dict[str, dict[str, Any]] = {
+        "look": look.table(),
         "run": {
             "scenario": scenario.name, "variant": scenario.variant, "title": scenario.title, "claim": scenario.claim,
             "step_s": scenario.run.step, "duration_s": scenario.run.duration, "algorithm": scenario.run.algorithm,
             "config_json": config, "config_hash": sha256(config.encode()).hexdigest()[:16],
             "command": " ".join(["wmr-cosim", *sys.argv[1:]]), "started_utc": stamp,
         },
-        "provenance": provenance(instances),
+        "provenance": {**provenance(instances), "sources": inputs.sources()},
+        "files": inputs.files(scenario), **origin(scenario, instances),
     }  # fmt: skip
-    return RerunRecorder(
+    return recorder(
         path,
         f"{stamp}-{scenario.name}-{scenario.variant or 'run'}-{properties['run']['config_hash'][:8]}",
         name=label,
         properties=properties,
-        blueprint=run_blueprint(chosen(instances, scenario.run.signals), _camera(assembly)),
-        scene=_scene(assembly),
-        health=_gap_mismatch(instances),
+        blueprint=run_blueprint(chosen(instances, scenario.run.signals), look),
+        scene=drawings,
+        health=gap_mismatch(instances),
         closing=closing,
         signals=scenario.run.signals,
     )
@@ -180,46 +240,3 @@ def log_observer(assembly: Assembly, path: Path, instances: dict[str, Instance],
 
 def _stem(scenario: Scenario, variant: str) -> str:
     return (f"{scenario.name}-{variant}" if variant else scenario.name).replace("/", "-")
-
-
-def _camera(assembly: Assembly) -> Camera | None:
-    """Return who looks at the foot of the obstacle, or goes along where the way is long; None: there is no scene."""
-    if assembly.robot is None or assembly.ground is None:
-        return None
-    bot, obstacle = assembly.robot, obstacle_start(assembly)
-    start, speed = _departure(assembly)
-    follow = abs(speed) * assembly.scenario.run.duration > FAR
-    x = start + bot.L_f if obstacle is None else obstacle
-    return Camera((start if follow else x, 0.0, 0.6 * bot.h), follow)
-
-
-def _departure(assembly: Assembly) -> tuple[float, float]:
-    """Return where the body starts, in m, and how fast, in m/s."""
-    r, v = (assembly.starts.get(f"body.{name}") for name in ("r", "v"))
-    return float(r[0]) if r is not None else 0.0, float(v[0]) if v is not None else 0.0
-
-
-def _scene(assembly: Assembly) -> Scene | None:
-    if assembly.robot is None or assembly.ground is None:
-        return None
-    bot, run = assembly.robot, assembly.scenario.run
-    start, speed = _departure(assembly)
-    reach = abs(speed) * run.duration + bot.L_f + 0.8
-    x = np.arange(start - bot.L_r - 0.8, start + reach, 0.01)
-    left, right = (np.column_stack([x, track.elevation(x)]) for track in (assembly.ground.left, assembly.ground.right))
-    scale = FORCE_ARROW * bot.R / (bot.m * G / 4)
-    return Scene(bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, left, right, scale, max(2e-3, run.duration / FRAMES))
-
-
-def _gap_mismatch(instances: dict[str, Instance]) -> Any:
-    """Compare the deformation that the wheels ended with to the gap of the body: one quantity, computed twice."""
-    wheels, body = instances.get("wheels"), instances.get("body")
-    if wheels is None or body is None or "deformation" not in wheels.y_at or "gap" not in body.y_at:
-        return None
-    mine, its = wheels.y_at["deformation"], body.y_at["gap"]
-
-    def health(point: Point) -> dict[str, float]:
-        off = point.outputs["wheels"][mine] - point.outputs["body"][its]
-        return {"gap_mismatch [m]": float(np.max(np.abs(off)))}
-
-    return health

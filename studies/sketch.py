@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from logs.style import colour as tint
@@ -39,9 +36,8 @@ def sketch(results: list[Result], index: int = 0) -> Any:
     if not shown:
         return None
     moments = instants(shown[min(index, len(shown) - 1)])
-    figure, axes = plt.subplots(
-        len(shown), len(moments), figsize=(3.6 * len(moments), 2.5 * len(shown)), squeeze=False, layout="constrained"
-    )
+    figure = Figure(figsize=(3.6 * len(moments), 2.5 * len(shown)), layout="constrained")
+    axes = figure.subplots(len(shown), len(moments), squeeze=False)
     for i, (row, result) in enumerate(zip(axes, shown, strict=True)):
         colour = [c / 255 for c in tint(results.index(result))]
         for axis, (what, time) in zip(row, moments.items(), strict=True):

@@ -71,7 +71,18 @@ def complaint(said: Said) -> str:
         ("run ramp-impact --set controller.type=Pid", r"components.controller: there is no component 'Pid'; .*"),
         ("run ramp-impact --set controller.period=1.5e-4", "controller has a period of 0.00015 s, which is neither a "
          "multiple nor a whole fraction of its step of 0.0001 s; choose a step that divides the period"),
+        ("compare ramp-impact --baseline uncontroled", "there is no variant 'uncontroled' to be the baseline; "
+                                                       "did you mean 'uncontrolled'?"),
+        ("compare ramp-impact rigid-ramp", "compare runs one scenario, not 2; are these logs? then add --logs"),
+        ("compare --logs nowhere.rrd", "compare --logs needs two logs or more; to look at one: wmr-cosim inspect "
+                                       "nowhere.rrd"),
+        ("compare --logs nowhere.rrd other.rrd", "there is no log nowhere.rrd"),
+        ("compare --logs a.rrd b.rrd --step 1e-4", "--logs compares runs as they were: leave out --set, --step, "
+                                                   "--duration, --variants and --no-log"),
         ("inspect nowhere.rrd", "there is no log nowhere.rrd"),
+        ("inspect nowhere.rrd --rerun", "there is no log nowhere.rrd"),
+        ("inspect pyproject.toml --diff nowhere.rrd", r"pyproject.toml is not a Rerun log: .*"),
+        ("logs nowhere", "there is no folder nowhere of logs; make some with wmr-cosim run or compare"),
         ("inspect pyproject.toml", r"pyproject.toml is not a Rerun log: .*"),
         ("fmu info nowhere.fmu", r"cannot read the FMU nowhere.fmu: No such file or directory"),
         ("fmu info pyproject.toml", r"pyproject.toml is not an FMU: .*"),
@@ -241,7 +252,9 @@ def test_exports_that_cannot_be_written(wmr: Command, tmp_path: Path) -> None:
     assert wmr("run", "ramp-impact", "--duration", "2e-4", "--out", tmp_path).code == 0
     log = tmp_path / "ramp-impact-uncontrolled.rrd"
     assert complaint(wmr("inspect", log, "--csv", tmp_path / "none" / "x.csv")).startswith("cannot write ")
-    assert complaint(wmr("inspect", log, "--csv", tmp_path / "x.txt")).endswith("the name must end in .csv or .parquet")
+    assert complaint(wmr("inspect", log, "--csv", tmp_path / "x.txt")).endswith(
+        "the name must end in .csv, .parquet or .mcap"
+    )
     assert re.fullmatch(
         rf"the log {log} has no signal like 'body.pich'; did you mean 'body.pitch'\?",
         complaint(wmr("inspect", log, "--signals", "body.pich")),
@@ -249,7 +262,15 @@ def test_exports_that_cannot_be_written(wmr: Command, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", ["run", "run ramp-impact --step fast", "run ramp-impact --view --no-log", "nonsense"]
+    "arguments",
+    [
+        "run",
+        "run ramp-impact --step fast",
+        "run ramp-impact --pace 0",
+        "compare ramp-impact --view --no-log",
+        "compare ramp-impact --serve --no-log",
+        "nonsense",
+    ],
 )
 def test_usage_errors_show_how_it_is_called(wmr: Command, arguments: str) -> None:
     said = wmr(*arguments.split())

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from commandline import Command
 from rich.console import Console
 
-from studies import present, session, terminal
+from logs import live
+from studies import session, terminal
 
-COMMANDS = ("list", "run", "compare", "inspect", "fmu build", "fmu check", "fmu info")
+COMMANDS = ("list", "run", "compare", "inspect", "logs", "fmu build", "fmu check", "fmu info")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -30,7 +31,7 @@ def test_help_of_the_whole(wmr: Command) -> None:
     said = wmr("--help")
     assert said.code == 0
     assert "Start here: wmr-cosim compare" in said.out
-    for command in ("list", "run", "compare", "inspect", "fmu"):
+    for command in ("list", "run", "compare", "inspect", "logs", "fmu"):
         assert f" {command} " in said.out
 
 
@@ -98,18 +99,48 @@ def test_a_run_tells_how_far_it_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     assert shares[-1] == 1.0
 
 
-@pytest.mark.parametrize(
-    ("command", "opened"), [("run", "ramp-impact-uncontrolled.rrd"), ("compare", "ramp-impact-all.rrd")]
-)
-def test_view_opens_the_log(
-    wmr: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str, opened: str
+class Opened:
+    """Stands for a viewer: tells what it was asked to show, and takes nothing."""
+
+    url = page = ""
+
+    def __init__(self, log: Path | None, web: bool) -> None:
+        self.log, self.web, self.ended = log, web, ""
+
+    def wait(self, waiting: Callable[[], None]) -> None:
+        waiting()
+        self.ended = "waited for"
+
+    def close(self) -> None:
+        self.ended = "closed"
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[Opened]:
+    """Return the viewers that are started, none of which is one."""
+    started: list[Opened] = []
+
+    def start(log: Path | None = None, *, web: bool = False) -> Opened:
+        started.append(Opened(log, web))
+        return started[-1]
+
+    monkeypatch.setattr(live, "start", start)
+    return started
+
+
+@pytest.mark.parametrize("how", ["--view", "--serve"])
+def test_a_comparison_is_shown_when_it_is_done(wmr: Command, opened: list[Opened], tmp_path: Path, how: str) -> None:
+    names = ("--variants", "uncontrolled,pd-friction")
+    assert wmr("compare", "ramp-impact", *names, "--duration", "2e-3", "--out", tmp_path, how).code == 0
+    (shown,) = opened
+    assert shown.log == tmp_path / "ramp-impact-all.rrd"
+    assert (shown.web, shown.ended) == ((False, "") if how == "--view" else (True, "waited for"))
+
+
+def test_a_viewer_is_there_before_the_run_and_goes_if_there_is_none(
+    wmr: Command, opened: list[Opened], tmp_path: Path
 ) -> None:
-    started: list[list[str]] = []
-    quiet = SimpleNamespace(Popen=lambda arguments, **_: started.append(arguments), DEVNULL=None)
-    monkeypatch.setattr(present, "subprocess", quiet)
-    more = ("--variants", "uncontrolled,pd-friction") if command == "compare" else ()
-    assert wmr(command, "ramp-impact", *more, "--duration", "2e-3", "--out", tmp_path, "--view").code == 0
-    ((binary, log),) = started
-    assert Path(binary).name == "rerun"
-    assert Path(binary).exists()
-    assert log == str(tmp_path / opened)
+    said = wmr("run", "ramp-impact", "--set", "wheels.kw=1", "--out", tmp_path, "--view")
+    assert said.code == 1
+    (shown,) = opened
+    assert (shown.log, shown.ended) == (None, "closed")

@@ -1,13 +1,17 @@
-"""Runs beside each other: two commands at once, and a comparison of which one run fails."""
+"""Commands beside others: two at once, one that is watched, and a comparison of which one run fails."""
 
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 from pathlib import Path
+from urllib.error import URLError
+from urllib.request import urlopen
 
 import numpy as np
+import pytest
 from commandline import Command, Fading, FadingSoon
 
 import fmus
@@ -33,6 +37,24 @@ def test_two_commands_into_one_folder_at_once(tmp_path: Path) -> None:
         facts = describe(Path(run["log"]), ["body.pitch"])
         assert facts["status"] == "complete"
         assert facts["signals"]["body.pitch"]["rows"] == facts["properties"]["outcome"]["steps"] + 1
+
+
+def test_a_served_run_is_watched_until_ctrl_c(tmp_path: Path) -> None:
+    """The page is there while the run goes and after it; Ctrl-C ends it, and the command did what it was asked."""
+    command = [sys.executable, "-m", "studies.cli", "run", "ramp-impact", "--duration", "0.02", "--out", str(tmp_path),
+               "--serve", "--json"]  # fmt: skip
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    page = process.stderr.readline().strip().removeprefix("note: look at it at ")
+    assert page.startswith("http://127.0.0.1:")
+    assert process.stderr.readline() == "note: the page is served until Ctrl-C\n"
+    assert urlopen(page.partition("?")[0], timeout=10).status == 200
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert (process.returncode, err) == (0, "")
+    assert describe(Path(json.loads(out)["log"]), ["body.pitch"])["status"] == "complete"
+    with pytest.raises(URLError):
+        urlopen(page, timeout=5)
 
 
 def test_a_comparison_of_which_one_run_fails(wmr: Command, tmp_path: Path) -> None:

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 from commandline import Command, Said
 
-from studies.catalog import COMPONENTS, scenario_files
+from studies.catalog import COMPONENTS, find_scenario, scenario_files
 from studies.metrics import Metric, table
-from studies.present import number, say_table
+from studies.present import braced
+from studies.verdicts import DECISIVE, number, say_table
 
 SHORT = ("--duration", "0.02")
 
@@ -94,6 +95,7 @@ def test_the_table_of_compare_is_that_of_its_document(wmr: Command, compared: di
         "--out",
         tmp_path,
         "--no-log",
+        "--full",
     )
     lines = ran(wmr(*arguments)).splitlines()
     shown = [row for row in compared["rows"] if any(v is not None for v in row["values"].values())]
@@ -164,6 +166,34 @@ def test_inspect_of_a_run(wmr: Command, compared: dict, tmp_path: Path) -> None:
     assert f"wrote {csv}" in few.splitlines()
     assert "wheels.traction" not in few
     assert csv.read_text().splitlines()[0].count(",") == 5
+
+
+def test_what_decides_is_on_one_screen(wmr: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Nine variants on a terminal of 100 columns: the rows that decide, the words and the files within 50 lines."""
+    names = list(find_scenario("ramp-impact-realistic").variants)
+    assert len(names) == 9
+    monkeypatch.setenv("COLUMNS", "100")
+    document = json.loads(ran(wmr("compare", "ramp-impact-realistic", *SHORT, "--out", tmp_path, "--json")))
+    arguments = ("compare", "--logs", *(run["log"] for run in document["runs"]), "--out", tmp_path)
+    text = ran(wmr(*arguments))
+    folded = sum(max(1, -(-len(line) // 100)) for line in text.splitlines())
+    assert folded <= 50
+    peaks = next(row for row in document["rows"] if row["key"] == "front_normal_peak")["values"]
+    for name in names:
+        (row,) = (line.split() for line in text.splitlines() if line.split()[:1] == [name] and "the" not in line)
+        assert number(peaks[name]) in row
+        assert sum(line.startswith(f"{name} ") for line in text.splitlines()) == 1  # its sentence
+    heads = " ".join(DECISIVE.values()).replace(",", "").split()
+    assert {"peak", "force", "ground", "rebounds"} <= set(heads) & set(text.replace(",", "").split())
+
+
+def test_paths_as_a_shell_takes_them() -> None:
+    runs = [Path(f"/r/ramp-{name}.rrd") for name in ("pd", "pole-placement", "pole")]
+    assert braced(runs) == "/r/ramp-{pd,pole-placement,pole}.rrd"
+    assert braced(runs[:1]) == "/r/ramp-pd.rrd"
+    assert braced(runs[1:]) == "/r/ramp-{pole-placement,pole}.rrd"
+    assert braced([Path("a.rrd"), Path("b c.rrd")]) == "a.rrd b c.rrd"
+    assert braced([Path("a.rrd"), Path("b.rrd")]) == "{a,b}.rrd"
 
 
 def _peak(compared: dict) -> float:

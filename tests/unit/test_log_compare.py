@@ -14,7 +14,7 @@ from toys import Gain, Mass
 from cosim import Jacobi, System, run
 from cosim.errors import ScenarioError
 from logs.blueprint import Camera
-from logs.compare import ALL_DIFFERENCES, WIDEST, combine
+from logs.compare import ALL_DIFFERENCES, WIDEST, combine, difference
 from logs.inspect import describe
 from logs.panels import PANELS, Panel
 from logs.read import properties, signals
@@ -35,19 +35,45 @@ def falling(path: Path, v: float, step: int, stop: int) -> Path:
     return path
 
 
-def test_differences_are_b_minus_a_at_the_times_of_a(tmp_path: Path) -> None:
-    """B has another step and ends earlier: it is interpolated, and there is no difference where it was not."""
+def test_differences_are_b_minus_a_at_the_times_of_either(tmp_path: Path) -> None:
+    """B has another step and ends earlier: both are interpolated, and there is no difference where one was not."""
     a = falling(tmp_path / "a.rrd", 2.0, 3 * MS, 30 * MS)
     b = falling(tmp_path / "b.rrd", 5.0, 2 * MS, 20 * MS)
     out = combine({"A": a, "two words/odd": b}, tmp_path / "all.rrd")
     found = signals(out)
     difference = found["diff.two words/odd.plant.m.pos"]
-    assert difference.ns.tolist() == [k * MS for k in range(0, 20, 3)]
+    assert difference.ns.tolist() == [k * MS for k in range(21) if k % 3 == 0 or k % 2 == 0]
     # both positions are linear in time, so interpolation is exact but for rounding of numbers near 1
     np.testing.assert_allclose(difference.values[:, 0], 3.0 * difference.ns * 1e-9, atol=4 * np.finfo(float).eps)
     assert difference.unit == "m"
     assert found["A.plant.m.pos"].ns.tolist() == signals(a)["m.pos"].ns.tolist()
     assert not any(".in." in port for port in found)
+
+
+def test_a_peak_of_the_finer_run_is_not_lost() -> None:
+    """A tooth of B between two points of A: at the times of A alone there would be no difference."""
+    coarse, fine = np.array([0, 10, 20]), np.arange(0, 21, 2)
+    tooth = np.where(fine == 4, 7.0, 0.0)
+    ns, values = difference(coarse, np.zeros((3, 1)), fine, tooth[:, None])
+    assert dict(zip(ns.tolist(), values[:, 0].tolist(), strict=True)) == dict(zip(fine.tolist(), tooth, strict=True))
+
+
+@pytest.mark.parametrize("baseline", [None, "A", "B"])
+def test_the_baseline_is_what_differences_are_to(tmp_path: Path, baseline: str | None) -> None:
+    """It comes first, so it has the first colour and is the solid one of the scene."""
+    logs = {name: falling(tmp_path / f"{name}.rrd", v, MS, 10 * MS) for name, v in (("A", 2.0), ("B", 5.0))}
+    out = combine(logs, tmp_path / "all.rrd", baseline=baseline)
+    base, other = ("B", "A") if baseline == "B" else ("A", "B")
+    assert properties(out)["compare"] == {"variants": [base, other], "title": "", "base": base}
+    found = signals(out)
+    a, b = (found[f"{name}.plant.m.pos"].values for name in (base, other))
+    np.testing.assert_array_equal(found[f"diff.{other}.plant.m.pos"].values, b - a)
+    assert f"diff.{base}.plant.m.pos" not in found
+
+
+def test_a_baseline_that_is_none(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"there is no variant 'uncontroled' to be the baseline; did you mean"):
+        combine({"uncontrolled": tmp_path / "a.rrd"}, tmp_path / "all.rrd", baseline="uncontroled")
 
 
 @pytest.fixture(scope="module")
@@ -77,9 +103,8 @@ def test_both_runs_are_in_it_bit_by_bit(impacts: tuple[dict[str, Path], Path]) -
 
 def test_the_difference_of_every_output(impacts: tuple[dict[str, Path], Path]) -> None:
     logs, out = impacts
-    found, a, b = signals(out), signals(logs["uncontrolled"]), signals(logs["pd"])
+    found, a, b = signals(out), signals(logs["uncontrolled"], "/plant/**"), signals(logs["pd"], "/plant/**")
     common = [p for p, s in a.items() if p in b and ".in." not in p and s.values.shape[1] <= WIDEST]
-    common = [p for p in common if not p.startswith("master.")]
     assert "wheels.normal_force" in common
     for port in common:
         component, _, name = port.partition(".")
@@ -139,15 +164,22 @@ def newest(path: Path, entity: str, component: str) -> Any:
     return max(rows)[1]
 
 
-@pytest.mark.parametrize("part", ["robot/body/hull", "robot/wheel_fl/tyre", "forces/normal"])
+def test_the_tyres_of_a_ghost_are_pale_and_let_others_be_seen(impacts: tuple[dict[str, Path], Path]) -> None:
+    ghost = list(impacts[0])[1]
+    (shown,) = newest(impacts[1], f"/world/{ghost}/robot/wheel_fl/tyre", "Mesh3D:albedo_factor")
+    r, g, b = colour(1)
+    assert shown >> 8 == (r << 16) + (g << 8) + b
+    assert 0 < shown & 255 < 255
+
+
+@pytest.mark.parametrize("part", ["robot/body/hull", "forces/normal"])
 def test_each_robot_has_its_colour(impacts: tuple[dict[str, Path], Path], part: str) -> None:
     """The first is solid, the others are wires, so that all can be seen where they are at the same place."""
-    kind = {"robot/body/hull": "Boxes3D", "robot/wheel_fl/tyre": "Cylinders3D", "forces/normal": "Arrows3D"}[part]
+    kind = {"robot/body/hull": "Boxes3D", "forces/normal": "Arrows3D"}[part]
     for number, variant in enumerate(impacts[0]):
         r, g, b = colour(number)
-        if (number, part) != (0, "robot/wheel_fl/tyre"):  # the tyres of the first stay black
-            shown = newest(impacts[1], f"/world/{variant}/{part}", f"{kind}:colors")
-            assert shown == [(r << 24) + (g << 16) + (b << 8) + 255]
+        shown = newest(impacts[1], f"/world/{variant}/{part}", f"{kind}:colors")
+        assert shown == [(r << 24) + (g << 16) + (b << 8) + 255]
         if kind != "Arrows3D":
             mode = newest(impacts[1], f"/world/{variant}/{part}", f"{kind}:fill_mode")
             assert mode == [

@@ -87,6 +87,20 @@ def test_the_first_bit_that_differs_is_found(tmp_path: Path) -> None:
     assert found.largest == other[1] - one[1]
 
 
+def test_minus_zero_is_another_bit(tmp_path: Path) -> None:
+    a, b = (write(tmp_path / f"{k}.rrd", np.array([0.1, zero])) for k, zero in enumerate((0.0, -0.0)))
+    (found,) = differences(a, b)
+    assert (found.identical, found.largest) == (False, 0.0)
+    assert found.since == pytest.approx(1e-6)
+
+
+def test_what_comes_after_the_end_of_an_unfinished_log_is_no_difference(tmp_path: Path) -> None:
+    whole, half = (write(tmp_path / f"{n}.rrd", np.arange(float(n))) for n in (6, 3))
+    assert [d.identical for d in differences(half, whole, unfinished=True)] == [True]
+    assert [d.identical for d in differences(half, whole)] == [False]
+    assert [d.identical for d in differences(whole, half, unfinished=True)] == [False]
+
+
 def test_a_step_that_one_log_lacks_is_a_difference(tmp_path: Path) -> None:
     a = write(tmp_path / "a.rrd", np.array([0.1, 0.2, 0.3]))
     b = write(tmp_path / "b.rrd", np.array([0.1, 0.3]), ns=np.array([0, 2000]))

@@ -11,8 +11,10 @@ import pyarrow as pa
 import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
+from scipy.spatial.transform import Rotation
 
-from logs.scene import LONGEST, MARK_EVERY, Scene, _about_y, _product, _y_axis
+from cosim.system import System
+from logs.scene import LONGEST, MARK_EVERY, Scene, _axles, _upright
 
 MS = 1_000_000
 FLAT = np.column_stack([np.linspace(-1, 9, 11), np.zeros(11)])
@@ -48,12 +50,16 @@ def drawn(tmp_path: Path, gap: np.ndarray, chunk: int = 50, **settings: Any) -> 
     recording = rr.RecordingStream("scene", recording_id="x")
     recording.save(str(path))
     rr.set_log_time_enabled(False, recording=recording)
-    scene.started(recording)
+    scene.started(recording, System({}, {}))
     values = ports(gap)
     for first in range(0, len(gap), chunk):
         rows = slice(first, first + chunk)
         numbers = np.arange(len(gap))[rows]
-        scene.emit(recording, numbers * MS, numbers, lambda port, rows=rows: values[port][rows])  # type: ignore[misc]
+
+        def read(port: str, rows: slice = rows) -> np.ndarray | None:
+            return values[port][rows] if port in values else None
+
+        scene.emit(recording, numbers * MS, numbers, read)
     recording.flush()
     recording.disconnect()
     found: Drawn = {}
@@ -85,12 +91,11 @@ def test_poses_are_those_of_the_ports(tmp_path: Path) -> None:
 
 def test_wheels_roll_as_far_as_they_drive(tmp_path: Path) -> None:
     """At 2 m/s a wheel of 0.1 m turns by 20 rad/s, whatever the chunks are."""
-    whole = column(drawn(tmp_path, np.zeros((N, 4)), chunk=N)["robot/wheel_fl"], ":quaternion")
-    parts = column(drawn(tmp_path, np.zeros((N, 4)), chunk=7)["robot/wheel_fl"], ":quaternion")
+    whole = column(drawn(tmp_path, np.zeros((N, 4)), chunk=N)["robot/wheel_fl/spoke"], ":quaternion")
+    parts = column(drawn(tmp_path, np.zeros((N, 4)), chunk=7)["robot/wheel_fl/spoke"], ":quaternion")
     np.testing.assert_allclose(whole, parts, atol=1e-6)  # single precision
-    first, later = (q[0][[3, 0, 1, 2]] for q in (whole[0], whole[25]))  # 50 ms later: 1 rad
-    turned = _product((later * [1])[None], (first * [1, -1, -1, -1])[None])[0]
-    assert 2 * np.arccos(min(1.0, abs(turned[0]))) == pytest.approx(1.0, abs=1e-3)
+    first, later = (Rotation.from_quat(q[0]) for q in (whole[0], whole[25]))  # 50 ms later: 1 rad, about the axle
+    np.testing.assert_allclose((later * first.inv()).as_rotvec(), [0, 1, 0], atol=1e-6)
 
 
 def test_arrows_are_the_forces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -141,8 +146,49 @@ def test_a_robot_that_stands_in_the_air_is_marked_once(tmp_path: Path) -> None:
     assert sent == [4]
 
 
-def test_quaternions_turn_as_they_should() -> None:
-    quarter = _about_y(np.array([np.pi / 2]))
-    np.testing.assert_allclose(_product(quarter, quarter), _about_y(np.array([np.pi])), atol=1e-15)
-    roll = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0, 0]])  # by 90 degrees about x: y becomes z
-    np.testing.assert_allclose(_y_axis(roll), [[0, 0, 1]], atol=1e-15)
+def test_wheels_steer_about_the_body_and_stand_on_the_ground() -> None:
+    """Steered by 90 degrees to the left on a body that is turned by as much, the axle of a wheel points backwards."""
+    yaw = np.array([[0, 0, np.sqrt(0.5), np.sqrt(0.5)]])  # scalar last
+    axles = _axles(yaw, np.array([[np.pi / 2, 0, 0, -np.pi / 2]]))
+    np.testing.assert_allclose(axles[0, [0, 1, 3]], [[0, -1, 0], [-1, 0, 0], [0, 1, 0]], atol=1e-15)
+    normals = np.tile(np.array([np.sin(0.3), 0, np.cos(0.3)]), (1, 4, 1))
+    upright = _upright(axles, normals)
+    np.testing.assert_allclose(np.linalg.det(upright), 1, rtol=1e-12)
+    np.testing.assert_allclose(upright[0, 0, :, 2], normals[0, 0], atol=1e-15)  # the axle lies across the slope
+    np.testing.assert_allclose(upright[0, 1, :, 2], [0, 0, 1], atol=1e-15)  # here it points along it
+
+
+def test_the_axles_lean_with_the_body() -> None:
+    roll = np.array([[np.sin(0.1), 0, 0, np.cos(0.1)]])  # by 0.2 rad to the right: the left side goes up
+    np.testing.assert_allclose(_axles(roll, None)[0, 2], [0, np.cos(0.2), np.sin(0.2)], rtol=1e-12)
+
+
+def test_limits_are_drawn_along_the_force_or_ahead(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Traction and lateral force make one arrow; its limit points the same way, or ahead without a force."""
+    known = {
+        **ports(np.zeros((N, 4))),
+        "wheels.lateral": np.tile([10.0, 0.0, 0.0, 0.0], (N, 1)),
+        "wheels.friction_limit": np.tile([100.0, 200.0, 300.0, 400.0], (N, 1)),
+    }
+    monkeypatch.setattr(sys.modules[__name__], "ports", lambda gap: known)
+    found = drawn(tmp_path, np.zeros((N, 4)))
+    along, limit = (column(found[f"forces/{what}"], ":vectors")[0] for what in ("traction", "limit"))
+    np.testing.assert_allclose(along[0], [0.01, 0.01, 0], atol=1e-9)
+    diagonal = 0.1 * np.sqrt(0.5)
+    np.testing.assert_allclose(limit, [[diagonal, diagonal, 0], [-0.2, 0, 0], [0.3, 0, 0], [0.4, 0, 0]], atol=1e-7)
+    assert "forces/limit" not in drawn(tmp_path, np.zeros((N, 4)), limited=False)
+
+
+def test_tyres_are_flattened_by_their_deformation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = {**ports(np.zeros((N, 4))), "wheels.deformation": np.tile([-5e-3, 0.0, 5e-3, -1e-3], (N, 1))}
+    monkeypatch.setattr(sys.modules[__name__], "ports", lambda gap: known)
+    found = drawn(tmp_path, np.zeros((N, 4)), flattening=3.0)
+    lowest = [column(found[f"robot/wheel_{w}/tyre"], ":vertex_positions")[0, :, 2].min() for w in ("fl", "fr", "rl")]
+    np.testing.assert_allclose(lowest, [-0.095, -0.1, -0.1], atol=1e-7)
+
+
+def test_the_caption_says_how_much_is_exaggerated() -> None:
+    """It names the longest arrow, too: 8 radii of 0.1 m are 1.6 kN at 5e-4 m/N."""
+    assert "to 1.6 kN" in (caption := Scene(0.1, 0.29, 0.6, 0.46, 0.4, FLAT, FLAT, flattening=20.0).caption)
+    assert "flats x20" in caption
+    assert "flats" not in Scene(0.1, 0.29, 0.6, 0.46, 0.4, FLAT, FLAT).caption

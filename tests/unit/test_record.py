@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from toys import Scripted, port
 
-from cosim import Advance, Jacobi, Record, System, WiringError, run
+from cosim import Advance, Jacobi, Observer, Point, Record, System, WiringError, run
 
 
 def numbered(n: int) -> tuple[System, Scripted]:
@@ -63,3 +63,34 @@ def test_what_failed_says_so() -> None:
         run(system, Jacobi(), step=1000, stop=3000, observers=[record])
     assert record.to_xarray().attrs["failed"] == "a failed at t = 1e-06 s: ValueError: stuck"
     np.testing.assert_array_equal(record["a.k"], [0, 5])
+
+
+def test_a_point_shows_everything_in_one_row() -> None:
+    """The row is what the components' own buffers hold, and the places say which part is whose."""
+    first, second = numbered(1)[1], numbered(1)[1]
+    system = System({"a": first, "b": second}, {})
+    seen: list[int] = []
+
+    class Look(Observer):
+        def accepted(self, point: Point) -> None:
+            seen.append(point.number)
+            for name in ("a", "b"):
+                for causality, held in (("input", point.inputs[name]), ("output", point.outputs[name])):
+                    np.testing.assert_array_equal(point.row[system.places[name, causality]], held)
+            np.testing.assert_array_equal(
+                point.row[system.place("b", second.variables["A"])], second.steps * np.arange(1, 5)
+            )
+
+    run(system, Jacobi(), step=1000, stop=2000, observers=[Look()])
+    assert seen == [0, 1, 2]
+    assert len(system.row) == 2 * (2 + 5)
+
+
+def test_start_values_move_into_the_row() -> None:
+    part = Scripted([port("a", "input", start=2.0), port("b", "input", start=3.0), port("y", "output")])
+    before = part.u
+    system = System({"p": part}, {})
+    assert system.row.tolist() == [2, 3, 0]
+    part.u[:] = [5, 7]
+    assert system.row.tolist() == [5, 7, 0]
+    assert before.tolist() == [2, 3]

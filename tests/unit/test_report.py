@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
+import matplotlib.image
 import numpy as np
 import pytest
 
 from cosim.errors import ScenarioError
+from logs.style import colour
 from studies.catalog import find_scenario
 from studies.conclusion import conclusion
 from studies.metrics import Metric
@@ -75,6 +79,36 @@ def test_the_report_holds_everything(results: list[Result], tmp_path: Path) -> N
     )  # fmt: skip
     for part in expected:
         assert part in text, part
+
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+LOUD = "<script>console.error('one of ours')</script></body>"
+
+
+def browsed(page: Path, picture: Path) -> list[str]:
+    """Open a page in Chromium without a screen and take its *picture*; return what its console complained about."""
+    assert CHROMIUM is not None
+    profile = f"--user-data-dir={picture.parent / 'profile'}"
+    told = subprocess.run(
+        [CHROMIUM, "--headless=new", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", profile,
+         "--window-size=1200,3000", "--virtual-time-budget=8000", f"--screenshot={picture}", page.as_uri()],
+        capture_output=True, text=True, timeout=90, check=True,
+    )  # fmt: skip
+    return [line for line in told.stderr.splitlines() if "CONSOLE" in line]
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium on this machine")
+def test_a_browser_shows_the_report_and_has_nothing_to_complain(results: list[Result], tmp_path: Path) -> None:
+    """Both curves are in the picture in their colours; a page that does complain would be found out."""
+    page = write_report(results, tmp_path / "r.html")
+    assert browsed(page, tmp_path / "r.png") == []
+    shown = matplotlib.image.imread(tmp_path / "r.png")[..., :3]
+    for number in range(2):
+        near = np.all(np.abs(shown - np.array(colour(number)) / 255) < 0.02, axis=2)
+        assert np.count_nonzero(near[1500:]) > 200  # below the table and the sketches
+    page.write_text(page.read_text().replace("</body>", LOUD))
+    (line,) = browsed(page, tmp_path / "loud.png")
+    assert "one of ours" in line
 
 
 def test_a_report_that_cannot_be_written(results: list[Result], tmp_path: Path) -> None:

@@ -1,0 +1,146 @@
+"""What is drawn into the log of a run: the scene, the chassis, contacts, energy and the block diagram."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cosim import Component
+from cosim.instance import Instance
+from cosim.record import Record
+from logs.chassis_map import ChassisMap, Spectra, scales
+from logs.diagram import Diagram
+from logs.drawing import Drawing, Drawings, nice
+from logs.energy import EnergyResidual
+from logs.questions import QUESTIONS, Camera, Look
+from logs.recorder import Read
+from logs.scene import Scene
+from logs.states import ContactStates
+from plants.tables import G, Robot
+
+from .assembly import Assembly
+from .runner import algorithm_of, obstacle_start
+
+FAR = 3.0  # m of way, beyond which a camera that stands still sees the robot leave
+FRAMES = 500  # at most
+FORCE_ARROW = 3.0  # radii of a wheel: how long the arrow of a quarter of the weight is
+FLAT = 0.06  # of a radius: how deep the weight presses a tyre in the picture, at least
+GRIP = 100.0  # coefficient of friction, from which it counts as unlimited
+ASIDE = 2.5  # m of ground beside the tracks of a robot that steers
+ROWS, COLUMNS = 5, 4  # of stations on the default chassis
+
+
+def drawn(assembly: Assembly, instances: dict[str, Instance], record: Record) -> tuple[Drawings, Look]:
+    """Return what is drawn into the log of a run whose ports come into *record*, and how the log opens."""
+    parts: list[Drawing] = [Diagram(algorithm_of(assembly))]
+    captions = {"diagram": "the system: blue components in the order they step, orange wires one step late"}
+    view = camera(assembly)
+    if view is not None:
+        shown = scene(assembly)
+        parts += [shown, ContactStates(), EnergyResidual(_arm(assembly))]
+        captions |= {"scene": shown.caption, "contact": "", "energy": ""}
+        captions |= {} if shown.limited else {"unlimited": ""}
+    plate = chassis(assembly)
+    if plate is not None:
+        top = 1.1 * float(plate.frequency.max())
+        parts += [plate, Spectra(lambda: record.time, record.get, top)]
+        captions |= {
+            **plate.captions,
+            "spectrum": "spectra: amplitude [m/s2] over Hz, of the whole run",
+        }
+    asked = assembly.scenario.view or QUESTIONS[0]
+    return Drawings(parts), Look(asked, view, captions)
+
+
+def camera(assembly: Assembly) -> Camera | None:
+    """Return who looks at the foot of the obstacle, or goes along where the way is long; None: there is no scene."""
+    if assembly.robot is None or assembly.ground is None:
+        return None
+    bot, obstacle = assembly.robot, obstacle_start(assembly)
+    start, speed = _departure(assembly)
+    follow = abs(speed) * assembly.scenario.run.duration > FAR
+    x = start if follow or obstacle is None else obstacle - 0.4 * bot.L_f  # the robot, when its front wheels are there
+    return Camera((x, 0.0, 0.6 * bot.h), follow)
+
+
+def _departure(assembly: Assembly) -> tuple[float, float]:
+    """Return where the body starts, in m, and how fast, in m/s."""
+    r, v = (assembly.starts.get(f"body.{name}") for name in ("r", "v"))
+    return float(r[0]) if r is not None else 0.0, float(v[0]) if v is not None else 0.0
+
+
+def scene(assembly: Assembly) -> Scene:
+    """Return the scene of a rover on a known ground."""
+    assert assembly.robot is not None
+    assert assembly.ground is not None
+    bot, run = assembly.robot, assembly.scenario.run
+    start, speed = _departure(assembly)
+    reach = abs(speed) * run.duration + bot.L_f + 0.8
+    x = np.arange(start - bot.L_r - 0.8, start + reach, 0.01)
+    left, right = (np.column_stack([x, track.elevation(x)]) for track in (assembly.ground.left, assembly.ground.right))
+    scale = FORCE_ARROW * bot.R / (bot.m * G / 4)
+    return Scene(
+        bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, left, right, scale, _interval(assembly),
+        flattening=_flattening(assembly, bot), limited=_grip(assembly) < GRIP,
+        shoulder=ASIDE if _steers(assembly) else 3 * bot.R,
+    )  # fmt: skip
+
+
+def _interval(assembly: Assembly) -> float:
+    return max(2e-3, assembly.scenario.run.duration / FRAMES)
+
+
+def _steers(assembly: Assembly) -> bool:
+    controller = assembly.components.get("controller")
+    return isinstance(controller, Component) and "steer" in controller.declarations
+
+
+def _grip(assembly: Assembly) -> float:
+    """Return the coefficient of friction, 0 where it is not known."""
+    wheels = assembly.components.get("wheels")
+    return float(np.max(wheels.values.get("mu", 0.0))) if isinstance(wheels, Component) else 0.0
+
+
+def _flattening(assembly: Assembly, bot: Robot) -> float:
+    """Return by how much deformations are exaggerated, so that a tyre under its share of the weight looks pressed."""
+    wheels = assembly.components.get("wheels")
+    if not isinstance(wheels, Component) or not {"k_w", "z"} <= set(wheels.declarations):  # rigid ones have no z
+        return 1.0
+    return max(1.0, nice(FLAT * bot.R * float(np.max(wheels.values["k_w"])) / (bot.m * G / 4)))
+
+
+def chassis(assembly: Assembly) -> ChassisMap | None:
+    """Return the map of a flexible chassis with the stations of the default one; None for another."""
+    part, bot = assembly.components.get("chassis"), assembly.robot
+    if bot is None or not isinstance(part, Component) or "station_shape" not in part.values:
+        return None
+    shape, frequency = part.values["station_shape"], np.ravel(part.values["frequency"])
+    if len(shape) != ROWS * COLUMNS:
+        return None
+    limit, factor = scales(frequency, shape, part.values["wheel_shape"], np.full(4, bot.m * G / 4))
+    return ChassisMap(
+        ROWS, COLUMNS, bot.L_f + bot.L_r, 2 * bot.half_track, frequency, shape, limit, factor, _interval(assembly)
+    )
+
+
+def _arm(assembly: Assembly) -> float:
+    """Return how far below the wheels' centres traction acts, in m."""
+    body = assembly.components.get("body")
+    at_centre = isinstance(body, Component) and body.values.get("traction_arm") == "centre"
+    return 0.0 if at_centre or assembly.robot is None else assembly.robot.R
+
+
+def gap_mismatch(instances: dict[str, Instance]) -> Any:
+    """Compare the deformation that the wheels ended with to the gap of the body: one quantity, computed twice."""
+    wheels, body = instances.get("wheels"), instances.get("body")
+    if wheels is None or body is None or "deformation" not in wheels.y_at or "gap" not in body.y_at:
+        return None
+
+    def health(read: Read) -> dict[str, np.ndarray]:
+        mine, its = read("wheels.deformation"), read("body.gap")
+        assert mine is not None
+        assert its is not None
+        return {"gap_mismatch [m]": np.max(np.abs(mine - its), axis=1)}
+
+    return health
