@@ -223,7 +223,9 @@ def painted(colour: Colour, *, ghost: bool) -> dict[str, Any]:
     wheels: dict[str, Any] = {}
     if ghost:
         for wheel in WHEELS:
-            wheels[f"robot/wheel_{wheel}/tyre"] = rr.Mesh3D.columns(albedo_factor=[(*colour, 110)])
+            wheels[f"robot/wheel_{wheel}/tyre"] = rr.Mesh3D.columns(
+                albedo_factor=[(*colour, 0)]
+            )  # two discs in one place would flicker
             wheels[f"robot/wheel_{wheel}/spoke"] = rr.Boxes3D.columns(colors=[colour])
     forces = {f"forces/{what}": rr.Arrows3D.columns(colors=[colour]) for what in ("normal", "traction")}
     forces["forces/limit"] = rr.Arrows3D.columns(colors=[pale(colour)])

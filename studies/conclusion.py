@@ -29,7 +29,7 @@ def _contact(v: Mapping[str, float | None]) -> str:
         for axle in ("front", "rear")
         if v.get(f"{axle}_off")
     ]
-    return "loses contact for " + " and ".join(parts)
+    return "has a wheel off the ground for " + " and ".join(parts)
 
 
 def _cost(v: Mapping[str, float | None]) -> str:

@@ -32,7 +32,7 @@ def test_the_sentences_name_contact_and_cost() -> None:
     assert conclusion(rows) == [
         "pd keeps all wheels on the ground, with up to 975 N asked of a wheel, 467 J of actuator work, a wheel at its "
         "friction limit 6 % of the time.",
-        "free loses contact for 120 ms at the front (2 rebounds), without traction.",
+        "free has a wheel off the ground for 120 ms at the front (2 rebounds), without traction.",
     ]
 
 
@@ -74,7 +74,7 @@ def test_the_report_holds_everything(results: list[Result], tmp_path: Path) -> N
     assert len(page.found) == 2  # the empty icon and the sketches
     assert all(reference.startswith("data:") for reference in page.found)
     expected = (
-        "front wheels since the impact: off the ground", "uncontrolled loses contact", "pd-friction",
+        "front wheels since the impact: off the ground", "uncontrolled has a wheel off the ground", "pd-friction",
         "&#34;k_w&#34;: 2800000.0", "token_body", "wmr-cosim compare ramp-impact", "normal force, front axle",
     )  # fmt: skip
     for part in expected:
