@@ -61,7 +61,8 @@ def combine(
     try:
         recording.save(str(part), default_blueprint=comparison_blueprint(variants, base, camera))
         rr.set_log_time_enabled(False, recording=recording)
-        recording.send_recording_name(title or out.stem)
+        title = title or out.stem
+        recording.send_recording_name(title)
         recording.send_property("compare", rr.AnyValues(variants=variants, title=title, base=variants[0]))
         recording.log("report", rr.TextDocument(report, media_type="text/markdown"), static=True)
         for number, (variant, path) in enumerate(logs.items()):

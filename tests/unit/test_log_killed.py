@@ -149,7 +149,8 @@ def test_a_full_disk_ends_the_run_with_a_sentence(tmp_path: Path) -> None:
     assert "is the disk full?" in done.stderr
     assert not path.exists()  # never called complete
     (part,) = tmp_path.iterdir()
-    assert len(signals(part)["a.y"].ns) >= 150
+    # three chunks of 50 were sent by then; the file's size was taken while the last of them might be under way
+    assert len(signals(part)["a.y"].ns) >= 100
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
