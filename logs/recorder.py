@@ -74,6 +74,7 @@ class RerunRecorder(Observer):
         self._flushed = 0.0  # s of wall clock
         self._broken = False  # the file takes no more
         self._sender = ThreadPoolExecutor(1)
+        self._sender.submit(int).result()  # starts its thread: an interrupt while it starts would start a second one
         self._last: int | None = None  # ns, of the last accepted point
         self.file: Path | None = None  # where the log is now; a run that never began leaves none
 
@@ -225,6 +226,7 @@ class RerunRecorder(Observer):
         self.file = self.path
 
     def _discard(self) -> None:
+        self._sender.shutdown()
         self.recording.disconnect()
         self.part.unlink(missing_ok=True)
         self.file = None
