@@ -9,8 +9,8 @@ import typer
 from rich.table import Table
 
 from .places import run_folder
-from .present import number
 from .terminal import out, plain, print_json
+from .verdicts import number
 
 _COLUMNS = ("scenario", "variant", "status", "started_utc")
 _METRICS = ("front_off", "rear_off", "front_normal_peak", "demand_peak", "station_peak")

@@ -13,9 +13,7 @@ from . import verdicts
 from .conclusion import conclusion, heading, mixed
 from .metrics import table
 from .terminal import listing, note, out, plain, print_json
-from .verdicts import number, say_table
-
-__all__ = ["number", "say_table"]
+from .verdicts import number
 
 if TYPE_CHECKING:
     from .session import Comparison, Done

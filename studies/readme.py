@@ -10,8 +10,8 @@ from pathlib import Path
 
 from .catalog import find_scenario
 from .metrics import as_mapping
-from .present import number
 from .runner import Result, execute
+from .verdicts import number
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 

@@ -21,9 +21,9 @@ from logs.style import colour
 
 from .conclusion import conclusion, heading, mixed
 from .metrics import table
-from .present import number
 from .runner import Result
 from .sketch import sketch
+from .verdicts import number
 
 _POINTS = 3000  # of a curve, at most: extremes are kept
 

@@ -16,15 +16,15 @@ from cosim.system import System
 from plants import rover
 from plants.ground import Ground
 from plants.rigid_body import RigidBody
-from plants.rigid_contact import RigidContact
 from plants.tables import ROBOTS, Robot
+from plants.wheels import Wheels
 
 ROBOT = ROBOTS["thesis_6_1"]
 
 
 def drive(
     ground: Ground,
-    wheels: RigidContact,
+    wheels: Wheels,
     speed: float,
     duration: float,
     step: float,

@@ -177,6 +177,20 @@ class Ball(Component):
         return dict(height=s.z, speed=s.v)
 
 
+class Fading(Component):
+    """x' = log(end - t): there is no such number after the end."""
+
+    end = parameter(1.0, "s", "when it ends")
+    x = state(1.0, "m", "position")
+    y = output("m", "position")
+
+    def derivatives(s):
+        return dict(x=ca.log(s.end - s.time))
+
+    def outputs(s):
+        return dict(y=s.x)
+
+
 class Scripted(Instance):
     """An instance written by hand, as a foreign FMU might be: any variables, any capabilities, any misbehaviour.
 

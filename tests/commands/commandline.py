@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-import casadi as ca
+from toys import Fading
 
-from cosim import Component, output, parameter, state
+from cosim import parameter
 
 
 class Said(NamedTuple):
@@ -19,20 +19,6 @@ class Said(NamedTuple):
 
 
 Command = Callable[..., Said]
-
-
-class Fading(Component):
-    """x' = log(end - t): there is no such number after the end."""
-
-    end = parameter(1.0, "s", "when it ends")
-    x = state(1.0, "m", "position")
-    y = output("m", "position")
-
-    def derivatives(s):  # type: ignore[no-untyped-def]
-        return dict(x=ca.log(s.end - s.time))
-
-    def outputs(s):  # type: ignore[no-untyped-def]
-        return dict(y=s.x)
 
 
 class FadingSoon(Fading):

@@ -12,7 +12,8 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from commandline import Command, Fading, FadingSoon
+from commandline import Command, FadingSoon
+from toys import Fading
 
 import fmus
 from logs.inspect import describe

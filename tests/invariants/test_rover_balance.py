@@ -4,56 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from rigid_checks import ROBOT, drive
 
-import fmus
-from cosim.algorithms import GaussSeidel
-from cosim.clock import ticks
-from cosim.master import run
 from cosim.record import Record
-from cosim.system import System
-from plants import rover
 from plants.ground import Flat, Ground, Hump, Ramp
-from plants.rigid_body import RigidBody
-from plants.tables import ROBOTS, G
+from plants.tables import G
 from plants.wheel_deformation import WheelDeformation
 from studies.coupling import Case, cosimulate
 
-ROBOT = ROBOTS["thesis_6_1"]
 RAMP = Ground.same(Ramp(start=0.63, angle=0.3))
-
-
-def drive(
-    ground: Ground,
-    wheels: WheelDeformation,
-    speed: float,
-    duration: float,
-    step: float,
-    demand: float = 0.0,
-    push: float = 0.0,
-) -> Record:
-    """Run body and wheels with a constant traction demand per wheel, from a *speed* along and a *push* to the left."""
-    body = RigidBody(**ROBOT.body_parameters(), **ground.tables(ROBOT.R))
-    starts = rover.start_values({"body": body, "wheels": wheels}, rover.Stance(0.0, speed))
-    instances = {"wheels": fmus.instantiate(wheels, "wheels"), "body": fmus.instantiate(body, "body")}
-    starts["body.v"] = starts["body.v"] + np.array([0.0, push, 0.0])
-    rover.apply(starts, instances)
-    instances["wheels"].set("traction_demand", np.full(4, demand))
-    record = Record()
-    with System(instances, rover.wires({n: i.variables for n, i in instances.items()})) as system:
-        run(
-            system,
-            GaussSeidel(("wheels", "body")),
-            step=ticks(step, "step"),
-            stop=ticks(duration, "stop"),
-            observers=[record],
-        )
-    return record
 
 
 @pytest.fixture(scope="module")
 def impact() -> Record:
     """The hard-wheeled rover hits the ramp while every wheel is asked for more traction than friction allows."""
-    return drive(RAMP, WheelDeformation(k_w=np.full(4, 2.8e6), mu=0.4), 2.0, 0.1, 1e-4, demand=2e3)
+    return drive(
+        RAMP,
+        WheelDeformation(k_w=np.full(4, 2.8e6), mu=0.4),
+        2.0,
+        0.1,
+        1e-4,
+        held={"wheels.traction_demand": np.full(4, 2e3)},
+    )
 
 
 def test_impulse_delivered_is_impulse_received(impact: Record) -> None:
@@ -108,7 +80,7 @@ def test_a_robot_pushed_aside_comes_to_rest() -> None:
     What is left is roll on the tyres, which decays with 4 c_w y^2 / (2 (I_x + m (h + R)^2)) = 2.7 1/s.
     """
     wheels = WheelDeformation(k_w=np.full(4, 1e5), c_w=np.full(4, 1e3))
-    record = drive(Ground.same(Flat()), wheels, 0.0, 4.0, 1e-3, push=0.05)
+    record = drive(Ground.same(Flat()), wheels, 0.0, 4.0, 1e-3, moved={"body.v": np.array([0.0, 0.05, 0.0])})
     aside = np.abs(record["body.velocity"][:, 1])
     assert np.max(aside) > 0.04
     assert np.max(aside[-500:]) < 0.05 * np.exp(-2.7 * 3.0)  # half a second later than that

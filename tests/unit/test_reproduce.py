@@ -7,14 +7,14 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 import pytest
 import rerun as rr
 from rerun.chunk import Chunk, RrdReader
+from toys import Fading
 
 import fmus
-from cosim import Component, output, parameter, state
+from cosim import Component, output, parameter
 from cosim.errors import ScenarioError
 from cosim.scenario import ScenarioFile
 from logs.read import properties, signals
@@ -40,20 +40,6 @@ class Rising(Steady):
 
     def outputs(s):  # type: ignore[no-untyped-def]
         return dict(y=s.k * (1 + s.time))
-
-
-class Fading(Component):
-    """x' = log(end - t): there is no such number after the end."""
-
-    end = parameter(1.0, "s", "when it ends")
-    x = state(1.0, "m", "position")
-    y = output("m", "position")
-
-    def derivatives(s):  # type: ignore[no-untyped-def]
-        return dict(x=ca.log(s.end - s.time))
-
-    def outputs(s):  # type: ignore[no-untyped-def]
-        return dict(y=s.x)
 
 
 class FadingSoon(Fading):
