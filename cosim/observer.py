@@ -11,11 +11,13 @@ The order of the calls of one run::
     finished | failed
 
 A step that was taken back is never seen as accepted: time in the accepted points only grows.
+
+A compiled loop tells many accepted points at once, as a ``Block``; who does not care hears of them one by one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -52,6 +54,30 @@ class Point(NamedTuple):
     row: np.ndarray
 
 
+class Block(NamedTuple):
+    """Accepted points in a row, as ``Point`` has them: n of each, ``rows`` (n, width of ``System.row``).
+
+    The arrays are overwritten by the next block: copy what you keep.  ``places`` says where the buffer of (component,
+    "input" or "output") lies in a row.
+    """
+
+    first: int  # number of the first point
+    starts: np.ndarray  # (n,), ns
+    ends: np.ndarray  # (n,), ns
+    walls: np.ndarray  # (n,), s
+    rows: np.ndarray  # (n, width)
+    places: Mapping[tuple[str, str], slice]
+
+    def points(self) -> Iterator[Point]:
+        """Yield the points one by one, as views of the rows."""
+        names = list(dict.fromkeys(name for name, _ in self.places))
+        for i, row in enumerate(self.rows):
+            inputs = {name: row[self.places[name, "input"]] for name in names}
+            outputs = {name: row[self.places[name, "output"]] for name in names}
+            start, end, wall = int(self.starts[i]), int(self.ends[i]), float(self.walls[i])
+            yield Point(self.first + i, start, end, wall, inputs, outputs, row)
+
+
 @dataclass(frozen=True)
 class Summary:
     """How a run went."""
@@ -72,6 +98,11 @@ class Observer:
 
     def accepted(self, point: Point) -> None:
         """Tell that everybody reached ``point.end``."""
+
+    def accepted_block(self, block: Block) -> None:
+        """Tell of several accepted points at once: nothing was rejected and no event lies between them."""
+        for point in block.points():
+            self.accepted(point)
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
         """Tell that [start, end] was taken back since *component* returned early at *reached* (all ns)."""
