@@ -2,6 +2,8 @@
 
 from .algorithms import Algorithm, GaussSeidel, Jacobi
 from .component import Component, event, input, output, parameter, state, structural, table
+from .consistent import Consistent
+from .control import PI, Fixed
 from .errors import (
     CosimError,
     CouplingError,
@@ -12,32 +14,39 @@ from .errors import (
     WiringError,
 )
 from .instance import Advance, Capabilities, Instance
+from .iterated import Iterated
 from .linearize import linearize
 from .master import run
 from .observer import Observer, Point, RunInfo, Summary
 from .record import Record
+from .richardson import Richardson
 from .step_map import step_map
 from .system import System
 from .variable import Variable
 from .wiring import Connection, Link
 
 __all__ = [
+    "PI",
     "Advance",
     "Algorithm",
     "Capabilities",
     "Component",
     "Connection",
+    "Consistent",
     "CosimError",
     "CouplingError",
     "DeclarationError",
     "ExportError",
+    "Fixed",
     "GaussSeidel",
     "Instance",
+    "Iterated",
     "Jacobi",
     "Link",
     "Observer",
     "Point",
     "Record",
+    "Richardson",
     "RunInfo",
     "ScenarioError",
     "StepError",

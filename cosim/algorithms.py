@@ -6,9 +6,10 @@ An algorithm decides in which order components are fed, stepped and collected; `
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 from .errors import CouplingError, nearest
+from .order import computed_order
 
 if TYPE_CHECKING:
     from .attempt import Attempt
@@ -55,16 +56,20 @@ class Jacobi:
 class GaussSeidel:
     """Components step in turn, each on the newest outputs of those before it and the old ones of those behind it.
 
-    Order 1 in general; the *order* (empty: the system's own) decides which connections are delayed.
+    Order 1 in general; the *order* (empty: the system's own) decides which connections are delayed.  ``"computed"`` is
+    the one with the fewest.
     """
 
-    order: tuple[str, ...] = ()
+    order: tuple[str, ...] | Literal["computed"] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "order", tuple(self.order))
+        if self.order != "computed":
+            object.__setattr__(self, "order", tuple(self.order))
 
     def sequence(self, system: System) -> tuple[str, ...]:
         """Return the order; raises CouplingError unless it names every component once."""
+        if self.order == "computed":
+            return computed_order(system)
         order = self.order or system.names
         for name in order:
             if name not in system.instances:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from .clock import seconds
 from .errors import CosimError, CouplingError, StepError
+from .richardson import Estimate
 from .system import System
 
 
@@ -23,6 +24,7 @@ class Attempt:
     stopped: str = ""  # who stopped before the end, at ``reached``
     reached: int = 0
     terminated: str = ""  # who asked to end the run
+    estimate: Estimate | None = None  # of the error made, by algorithms that make one
 
     @property
     def beginning(self) -> list[str]:

@@ -23,6 +23,9 @@ meaningful, ``s.dt``.  They are written with CasADi expressions (``casadi.if_els
 | ``jump(s)`` | some states | their values after an event; ``s.crossed.NAME`` is -1, 0 or +1, the direction |
 | ``lookups(s)`` | tables | where each declared table is read; the rows found are ``s.TABLE``, (keys, columns) |
 
+A component with a ``flow`` that declares a parameter ``micro_step`` (in s) has it called over equal parts of a step,
+none longer than that: the scheme of an explicit integration, rather than an exact solution.
+
 A component that declares a parameter ``period`` (in s) is sampled: its ``sync`` happens at its ticks only (multiples of
 the period on the time axis), every tick inside a long step included.
 """
@@ -33,6 +36,7 @@ from functools import cached_property
 from math import prod
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import casadi as ca
 import numpy as np
 
 from . import units
@@ -54,6 +58,7 @@ class Component:
     """Base of every component: collects the declarations and holds one set of parameter values, immutable."""
 
     declarations: ClassVar[dict[str, Declaration]] = {}
+    symbols: ClassVar[Any] = ca.SX  # or casadi.MX: functions mapped over many elements then stay loops in C
 
     def __init_subclass__(cls) -> None:
         own = {k: v for k, v in vars(cls).items() if isinstance(v, Declaration)}

@@ -36,7 +36,7 @@ class Declaration:
     nominal: float = 1.0
     choices: tuple[str, ...] = ()
     columns: int = 0
-    announce: bool = False
+    announce: bool | str = False
     whole: bool = False
     name: str = ""
 
@@ -101,8 +101,11 @@ def output(unit: str, meaning: str, *, shape: int | str | tuple[int | str, ...] 
     return Declaration("output", meaning, unit, None, _shape(shape))
 
 
-def event(meaning: str, *, shape: int | str | tuple[int | str, ...] = (), announce: bool = False) -> Any:
-    """Declare a zero crossing; *announce*: a step returns early there, so that a master can bring everybody to it."""
+def event(meaning: str, *, shape: int | str | tuple[int | str, ...] = (), announce: bool | str = False) -> Any:
+    """Declare a zero crossing; *announce*: a step returns early there, so that a master can bring everybody to it.
+
+    A structural value named instead says whether: 0 for no.
+    """
     return Declaration("event", meaning, shape=_shape(shape), announce=announce)
 
 

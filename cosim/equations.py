@@ -51,6 +51,7 @@ class Equations:
     jvp: ca.Function
     feedthrough: dict[str, tuple[str, ...]]
     period: int | None  # index of the sample period among the parameters
+    micro: int | None  # index of the longest micro step of a flow among them
     announced: tuple[bool, ...]  # per event indicator: does a step return early there
     nominal: np.ndarray  # per state
 
@@ -84,10 +85,10 @@ def _unflatten(flat: ca.SX, block: Block) -> ca.SX:
     return ca.reshape(part, block.shape[1], block.shape[0]).T if len(block.shape) == 2 else part
 
 
-def _flatten(value: Any, block: Block, where: str) -> ca.SX:
+def _flatten(value: Any, block: Block, where: str, kind: Any = ca.SX) -> ca.SX:
     try:
-        sx = ca.SX(value) if not isinstance(value, (list, tuple)) else ca.vertcat(*value)
-        sx = ca.densify(ca.SX(sx))
+        sx = kind(value) if not isinstance(value, (list, tuple)) else ca.vertcat(*value)
+        sx = ca.densify(kind(sx))
     except (NotImplementedError, TypeError, RuntimeError):
         raise DeclarationError(
             f"{where} returned {type(value).__name__} for {block.name}; return a CasADi expression"
@@ -136,12 +137,12 @@ def _collect(
     parts = []
     for block in blocks:
         if block.name in result:
-            parts.append(_flatten(result[block.name], block, where))
+            parts.append(_flatten(result[block.name], block, where, component.symbols))
         elif default is not None:
             parts.append(default(block))
         else:
             raise DeclarationError(f"{where} returned nothing for {block.name}, which is declared")
-    return ca.vertcat(*parts) if parts else ca.SX(0, 1)
+    return ca.vertcat(*parts) if parts else component.symbols(0, 1)
 
 
 @dataclass
@@ -173,21 +174,22 @@ class _Symbols:
 
     def constant(self, block: Block) -> ca.SX:
         """Return the derivative of a state that only ``sync`` or ``jump`` changes."""
-        return ca.SX.zeros(block.at.stop - block.at.start)
+        return type(self.x).zeros(block.at.stop - block.at.start)
 
 
 def _symbols(component: Component) -> _Symbols:
     states, n_x = _layout(component, "state")
     inputs, n_u = _layout(component, "input")
     parameters, n_p = _layout(component, "parameter")
-    t, h = ca.SX.sym("t"), ca.SX.sym("h")
-    x, u, p = ca.SX.sym("x", n_x), ca.SX.sym("u", n_u), ca.SX.sym("p", n_p)
+    kind = component.symbols
+    t, h = kind.sym("t"), kind.sym("h")
+    x, u, p = kind.sym("x", n_x), kind.sym("u", n_u), kind.sym("p", n_p)
     s = Namespace(time=t, dt=h, **component.structure)
     for flat, blocks in ((x, states), (u, inputs), (p, parameters)):
         for block in blocks:
             setattr(s, block.name, _unflatten(flat, block))
     tables, keys = _lookups(component, s)
-    w = ca.SX.sym("w", tables[-1].at.stop if tables else 0)
+    w = kind.sym("w", tables[-1].at.stop if tables else 0)
     for block in tables:
         setattr(s, block.name, _unflatten(w, block))
     return _Symbols(states, inputs, parameters, tables, t, h, x, u, p, w, s, keys)
@@ -197,18 +199,23 @@ def _lookups(component: Component, s: Namespace) -> tuple[tuple[Block, ...], ca.
     """Return where the rows of each declared table lie, and the keys they are looked up by."""
     declared = component.declared("table")
     if not declared:
-        return (), ca.SX(0, 1)
+        return (), component.symbols(0, 1)
     found = _evaluate(component, "lookups", s)
     if set(found) != set(declared):
         raise DeclarationError(f"{type(component).__name__}.lookups must return keys for {', '.join(declared)}")
     blocks, keys, at = [], [], 0
     for name, d in declared.items():
         key = found[name]
-        keys.append(ca.vertcat(*key) if isinstance(key, (list, tuple)) else ca.SX(key))
+        keys.append(ca.vertcat(*key) if isinstance(key, (list, tuple)) else component.symbols(key))
         rows = keys[-1].numel()
         blocks.append(Block(name, (rows, d.columns), slice(at, at + rows * d.columns)))
         at += rows * d.columns
     return tuple(blocks), ca.vertcat(*keys)
+
+
+def _announced(component: Component, event: str) -> bool:
+    announce = component.declarations[event].announce
+    return bool(component.structure[announce]) if isinstance(announce, str) else announce
 
 
 def build(component: Component) -> Equations:
@@ -222,20 +229,21 @@ def build(component: Component) -> Equations:
     def collect(name: str, blocks: tuple[Block, ...], default: Callable[[Block], ca.SX] | None = None) -> ca.SX:
         return _collect(component, name, v.s, blocks, default)
 
-    out = collect("outputs", outputs) if outputs else ca.SX(0, 1)
+    kind = component.symbols
+    out = collect("outputs", outputs) if outputs else kind(0, 1)
     ode = collect("derivatives", v.states, v.constant if defined["sync"] else None) if defined["derivatives"] else None
     sync = v.function("sync", collect("sync", v.states, v.held)) if defined["sync"] else None
     flow = v.function("flow", collect("flow", v.states, v.held)) if defined["flow"] else None
     zero = v.function("zero", collect("crossings", events)) if events else None
     jump = None
     if defined["jump"]:
-        c = ca.SX.sym("c", n_g)
+        c = kind.sym("c", n_g)
         v.s.crossed = Namespace(**{b.name: _unflatten(c, b) for b in events})
         jump = v.function("jump", collect("jump", v.states, v.held), c)
     f_out = v.function("out", out)
     depends = ca.DM(f_out.jac_sparsity(0, 3), 1)  # of the outputs on the inputs
-    dx, du = ca.SX.sym("dx", v.x.numel()), ca.SX.sym("du", v.u.numel())
-    rates = ca.vertcat(ode if ode is not None else ca.SX.zeros(v.x.numel()), out)
+    dx, du = kind.sym("dx", v.x.numel()), kind.sym("du", v.u.numel())
+    rates = ca.vertcat(ode if ode is not None else kind.zeros(v.x.numel()), out)
     return Equations(
         states=v.states,
         inputs=v.inputs,
@@ -250,10 +258,13 @@ def build(component: Component) -> Equations:
         zero=zero,
         jump=jump,
         where=v.function("where", v.keys) if v.tables else None,
-        jvp=v.function("jvp", ca.jtimes(rates, ca.vertcat(v.x, v.u), ca.vertcat(dx, du)), dx, du),
+        jvp=v.function("jvp", ca.jtimes(rates, v.x, dx) + ca.jtimes(rates, v.u, du), dx, du)
+        if kind is ca.MX
+        else v.function("jvp", ca.jtimes(rates, ca.vertcat(v.x, v.u), ca.vertcat(dx, du)), dx, du),
         feedthrough={o.name: tuple(i.name for i in v.inputs if depends[o.at, i.at].nnz()) for o in outputs},
         period=next((b.at.start for b in v.parameters if b.name == "period"), None),
-        announced=tuple(component.declarations[b.name].announce for b in events for _ in range(b.at.start, b.at.stop)),
+        micro=next((b.at.start for b in v.parameters if b.name == "micro_step"), None),
+        announced=tuple(_announced(component, b.name) for b in events for _ in range(b.at.start, b.at.stop)),
         nominal=np.array(
             [component.declarations[b.name].nominal for b in v.states for _ in range(b.at.start, b.at.stop)]
         ),

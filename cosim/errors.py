@@ -29,6 +29,9 @@ class StepError(CosimError):
         self.component, self.time, self.reason = component, time, reason
         super().__init__(f"{component} failed at t = {time:.9g} s: {reason}")
 
+    def __reduce__(self) -> tuple[type[StepError], tuple[str, float, str]]:
+        return type(self), (self.component, self.time, self.reason)  # it travels between processes
+
 
 class ExportError(CosimError):
     """A component could not be turned into an FMU, or a file is not an FMU that runs here."""

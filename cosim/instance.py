@@ -11,14 +11,17 @@ to parts of one array, so that what everybody shows is one row.  Every other typ
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .errors import WiringError, nearest
 from .variable import FLOAT, Variable
+
+if TYPE_CHECKING:
+    from .compiled import Native
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,9 @@ class Capabilities:
     early_return: bool = False  # a step may end before its time, at an event
     directional_derivatives: bool = False
     variable_step: bool = True
+    get_after_set: bool = True  # outputs follow inputs that were set, without a step; FMI 2.0 does not promise it
+    event_mode: bool = False  # events are handled between steps, and some ports change there only
+    input_derivatives: int = 0  # highest order of the time derivatives of inputs that a step takes
 
 
 @dataclass(frozen=True)
@@ -41,12 +47,22 @@ class Advance:
     terminated: bool = False  # the component asks to end the simulation
 
 
+@dataclass(frozen=True)
+class Update:
+    """What an instance in event mode asks for after it has updated its discrete states."""
+
+    again: bool = False  # another round at the same instant
+    terminated: bool = False  # the end of the simulation
+
+
 class Instance(ABC):
     """A component with values; see the module for its life."""
 
     name: str
     variables: Mapping[str, Variable]
     can: Capabilities
+    discrete: frozenset[str] = frozenset()  # ports that are set and read in event mode only
+    active: frozenset[str] = frozenset()  # clocks that tick at this instant, inputs and outputs
 
     def __init__(self, name: str, variables: Mapping[str, Variable]) -> None:
         self.name, self.variables = name, variables
@@ -95,6 +111,43 @@ class Instance(ABC):
     def step(self, start: int, end: int, *, early_return: bool = False) -> Advance:
         """Advance from tick *start* to *end*, or to an announced event if *early_return*; raises StepError."""
 
+    def set_input_derivatives(self, values: list[np.ndarray]) -> None:
+        """Let the inputs of the next step be polynomials in time, *values* their derivatives of order 1, 2, ...
+
+        They are those at the start of the step; each has the layout of ``u``, in the unit of the input per s, s2, ...
+        There are at most ``can.input_derivatives`` of them, and they hold for one step.  Raises WiringError where the
+        instance does not take them.
+        """
+        if values:
+            raise WiringError(
+                f"{self.name} takes {self.can.input_derivatives or 'no'} derivatives of its inputs, not {len(values)}"
+            )
+
+    # events, of an instance with ``can.event_mode``: enter; tick, push, pull, update as often as needed; leave
+
+    def next_event(self) -> int | None:
+        """Return the tick by which the instance must be in event mode again; None: it does not know of any."""
+        return None
+
+    def enter_event_mode(self) -> None:
+        """Begin to handle events where the instance is; clocks of its own that are due tick."""
+        raise self._no_event_mode()
+
+    def tick(self, clocks: Iterable[str]) -> None:
+        """Let triggered input clocks tick at this instant."""
+        raise self._no_event_mode()
+
+    def update_discrete_states(self) -> Update:
+        """Go on to the next instant of the same time: clocks stop ticking, discrete states take their new values."""
+        raise self._no_event_mode()
+
+    def enter_step_mode(self) -> None:
+        """End the handling of events: the instance is ready to step."""
+        raise self._no_event_mode()
+
+    def _no_event_mode(self) -> WiringError:
+        return WiringError(f"{self.name} has no event mode")
+
     @abstractmethod
     def snapshot(self) -> Any:
         """Return everything that the future depends on; exact to the bit."""
@@ -113,6 +166,10 @@ class Instance(ABC):
     @abstractmethod
     def deserialize(self, data: bytes) -> Any:
         """Return the snapshot that *data* holds; it may come from another instance of the same component."""
+
+    def native(self) -> Native | None:
+        """Return where the instance's C functions are, for the compiled loop; None: stepping it takes Python."""
+        return None
 
     def move(self, name: str, value: Any) -> None:
         """Set a state at a communication point; raises WiringError unless the instance can, as most FMUs cannot."""

@@ -15,9 +15,12 @@ from typing import Any
 from .algorithms import Algorithm
 from .attempt import Attempt
 from .clock import seconds, ticks
+from .compiled import compiled_loop
+from .control import PI, Fixed, Pace
 from .errors import CouplingError, ScenarioError
-from .instance import Instance
-from .observer import Observer, Point, RunInfo, Summary
+from .event_mode import EventMode
+from .observer import Block, Observer, Point, RunInfo, Summary
+from .step_checks import check_periods, check_steps, rewound, sample_period
 from .system import System
 
 MAX_EARLY_RETURNS = 1000  # in one macro step; a run with more has events that accumulate
@@ -34,14 +37,18 @@ def run(
     observers: Sequence[Observer] = (),
     locate_events: bool = True,
     tolerance: float | None = None,
+    compiled: bool | None = None,
+    control: Fixed | PI = Fixed(),  # noqa: B008
 ) -> Summary:
     """Run *system* from *start* to *stop* in macro steps of *step*; each is seconds if a float, ns if an int.
 
     *locate_events* brings everybody to the instant at which a component announces an event; *tolerance* is the relative
-    one of the components' own integrators.  Raises StepError or CouplingError after the observers were told.
+    one of the components' own integrators.  *compiled* has the macro steps made without Python (True), by the readable
+    loop (False), or without Python where that is possible (None): the bits are the same.  *control* lets the steps
+    vary: *step* is the first one then.  Raises StepError or CouplingError after the observers were told.
     """
     info = _span(step, stop, start, algorithm)
-    return _Run(system, algorithm, info, observers, locate_events).execute(tolerance)
+    return _Run(system, algorithm, info, observers, locate_events, compiled, control).execute(tolerance)
 
 
 def _span(step: float | int, stop: float | int, start: float | int, algorithm: Algorithm) -> RunInfo:
@@ -73,11 +80,20 @@ class _Run:
         info: RunInfo,
         observers: Sequence[Observer],
         locate_events: bool,
+        compiled: bool | None,
+        control: Fixed | PI,
     ) -> None:
         self.system, self.algorithm, self.info, self.observers = system, algorithm, info, tuple(observers)
         self.sequence = algorithm.sequence(system)
         self.rewound = rewound(system, self.sequence) if locate_events else ()
-        _check_steps(system, info, locating=bool(self.rewound))
+        self.locating = bool(self.rewound)
+        self.pace = Pace(control, info.step_ns) if isinstance(control, PI) else None
+        if isinstance(control, PI):
+            control.check(system)
+            self.rewound, compiled = self.sequence, False
+        self.hybrid = EventMode(system)
+        check_steps(system, info, locating=self.locating)
+        self.fast = compiled_loop(compiled, system, algorithm, info, self.sequence, self.rewound, self.observers)
         self.inputs = {name: i.u for name, i in system.instances.items()}
         self.outputs = {name: i.y for name, i in system.instances.items()}
         self.steps = self.rejected = self.events = 0
@@ -91,15 +107,20 @@ class _Run:
         try:
             self._tell(lambda o: o.started(self.system, self.info))
             self.system.initialize(self.info.start_ns, self.info.stop_ns, tolerance)
-            check_periods(self.system, self.info.step_ns)
-            self._accept(self.now)
-            self._loop()
+            if self.pace is None:
+                check_periods(self.system, self.info.step_ns)
+            self.accept(self.now)
+            self._settle()
+            if self.pace is None:
+                self._loop()
+            else:
+                self._paced(self.pace)
             self._tell_events()
         except BaseException as error:  # an interrupt, too, must leave a log that says so
             self._failed(error)
             raise
         span = seconds(self.now - self.info.start_ns)
-        summary = Summary(self.steps, self.rejected, self.events, self._wall(), span, self.terminated)
+        summary = Summary(self.steps, self.rejected, self.events, self.wall(), span, self.terminated)
         self._tell(lambda o: o.finished(summary))
         return summary
 
@@ -108,6 +129,10 @@ class _Run:
         slow = {name: n for name, n in self.system.every.items() if n > 1}
         k = 0
         while self.now < stop and not self.terminated:
+            if self.fast is not None:
+                k = self.fast.advance(self, k)
+                if self.now == stop or self.terminated:
+                    break
             k += 1
             end = min(start + k * step, stop)
             due = self.sequence
@@ -117,16 +142,33 @@ class _Run:
             while self.now < end and not self.terminated:
                 attempts = self._reach(end, due, attempts)
 
+    def _paced(self, pace: Pace) -> None:
+        """Step as far as the errors allow, and never over the tick of a sampled component."""
+        stop = self.info.stop_ns
+        sampled = {n: p for n, i in self.system.instances.items() if (p := sample_period(i)) is not None}
+        periods = [ticks(p, f"the period of {name}") for name, p in sampled.items()]
+        while self.now < stop and not self.terminated:
+            limit = min([stop, *((self.now // period + 1) * period for period in periods)])
+            self._reach(pace.next(self.now, limit), self.sequence, 0)
+
     def _reach(self, end: int, due: tuple[str, ...], attempts: int) -> int:
         """Advance everybody to *end* or to the first event before it; return the attempts made in this macro step."""
-        start, target, culprit = self.now, end, ""
+        start, target, culprit = self.now, self.hybrid.next(self.now, end), ""
+        if target < end:
+            due = self.sequence
         saved = self.system.save(self.rewound) if self.rewound else None
         try:
             while True:
-                attempt = Attempt(self.system, start, target, due, bool(self.rewound))
+                attempt = Attempt(self.system, start, target, due, self.locating)
                 self.algorithm.advance(attempt)
                 if not attempt.stopped:
-                    break
+                    if self.pace is None or self.pace.accepts(attempt, cut=bool(culprit)):
+                        break
+                    assert saved is not None
+                    self.system.restore(saved, self.sequence)
+                    self._too_wrong(attempt, self.pace.worst)
+                    target, culprit = self.pace.shorter(start), ""
+                    continue
                 if attempt.stopped == attempt.terminated:  # the run ends at the last point that everybody reached
                     self.terminated = attempt.terminated
                     return attempts
@@ -140,12 +182,19 @@ class _Run:
             if saved is not None:
                 self.system.forget(saved)
         self.terminated = attempt.terminated
-        self._accept(target)
+        self.accept(target)
         if culprit and culprit not in attempt.announced:
             self.pending[culprit] = target
         for name in attempt.announced:
-            self._event(target, name)
+            self.event(target, name)
+        self._settle()
         return attempts
+
+    def _settle(self) -> None:
+        """Handle the events where everybody is, and tell of each micro step that shows."""
+        for micro in self.hybrid.settle(self.now):
+            self.accept(self.now, micro)
+        self.terminated = self.terminated or self.hybrid.terminated
 
     def _shorter(self, attempt: Attempt, attempts: int) -> int:
         """Return where the next attempt is to end; at least 1 ns after the start, so that time goes on."""
@@ -161,7 +210,8 @@ class _Run:
 
     # observers
 
-    def _wall(self) -> float:
+    def wall(self) -> float:
+        """Return the seconds of wall clock since the run began."""
         return perf_counter() - self.began
 
     def _tell(self, call: Callable[[Observer], Any]) -> None:
@@ -172,20 +222,30 @@ class _Run:
         """Tell the events met for at the last point, now that their components went on from there."""
         met, self.pending = self.pending, {}
         for name, time in met.items():
-            self._event(time, name)
+            self.event(time, name)
 
-    def _event(self, time: int, component: str) -> None:
+    def event(self, time: int, component: str) -> None:
+        """Count and tell an event that everybody was brought to."""
         self.events += 1
         self._tell(lambda o: o.event(time, component))
 
-    def _accept(self, end: int) -> None:
+    def accept(self, end: int, micro: int = 0) -> None:
+        """Accept what was computed from now to *end*, or in a micro step there, and tell of it."""
         self._tell_events()
-        initial = self.steps == 0 and end == self.info.start_ns
+        initial = self.steps == 0 and end == self.info.start_ns and not micro
         self.steps += not initial
-        point = Point(self.steps, self.now, end, self._wall(), self.inputs, self.outputs, self.system.row)
+        point = Point(self.steps, self.now, end, self.wall(), self.inputs, self.outputs, self.system.row, micro)
         self.now = end
         for observer in self.observers:
             observer.accepted(point)
+
+    def accept_many(self, n: int, end: int, block: Block | None) -> None:
+        """Accept *n* macro steps, the last to *end*, and tell of them if there is a *block*."""
+        self._tell_events()
+        self.steps += n
+        self.now = end
+        if block is not None:
+            self._tell(lambda o: o.accepted_block(block))
 
     def _rejected(self, attempt: Attempt) -> None:
         self.rejected += 1
@@ -193,6 +253,11 @@ class _Run:
         if met is not None and (attempt.reached - met) * SAME_EVENT < self.info.step_ns:
             del self.pending[attempt.stopped]  # not passed yet: on the shorter step it happens a little later
         self._tell(lambda o: o.rejected(attempt.start, attempt.end, attempt.reached, attempt.stopped))
+
+    def _too_wrong(self, attempt: Attempt, port: str) -> None:
+        self.rejected += 1
+        component = port.partition(".")[0]
+        self._tell(lambda o: o.rejected(attempt.start, attempt.end, attempt.start, component))
 
     def _failed(self, error: BaseException) -> None:
         met, self.pending = self.pending, {}
@@ -203,61 +268,3 @@ class _Run:
                 observer.failed(error)
             except Exception as another:  # the others must hear of the failure, and the user of the first one
                 error.add_note(f"{type(observer).__name__}.failed raised {type(another).__name__}: {another}")
-
-
-def rewound(system: System, sequence: tuple[str, ...]) -> tuple[str, ...]:
-    """Return who must be taken back when a component returns early: those up to the last that may, in stepping order.
-
-    Raises CouplingError for one that cannot go back, and for one with events inside a step over several macro steps.
-    """
-    early = [name for name in sequence if system.instances[name].can.early_return]
-    if not early:
-        return ()
-    for name in early:
-        if system.every[name] > 1:
-            raise CouplingError(
-                f"{name} announces events and cannot step every {system.every[name]} macro steps, since the others "
-                f"would have passed them; let it step every one, or run with locate_events=False"
-            )
-    names = sequence[: sequence.index(early[-1]) + 1]
-    for name in names:
-        if not system.instances[name].can.rollback:
-            cure = "" if name in early else f"let {name} step after {early[-1]} in GaussSeidel, or "
-            raise CouplingError(
-                f"{name} cannot be taken back to an earlier state, which the events of {early[-1]} ask for; "
-                f"{cure}run with locate_events=False"
-            )
-    return names
-
-
-def _check_steps(system: System, info: RunInfo, *, locating: bool) -> None:
-    """Refuse steps of varying length for a component that declares it cannot make them."""
-    for name, instance in system.instances.items():
-        own = info.step_ns * system.every[name]
-        if not instance.can.variable_step and (locating or (info.stop_ns - info.start_ns) % own):
-            why, cure = ("events are located", "run with locate_events=False")
-            if not locating:
-                why, cure = "the run is no whole number of them", f"choose a stop time in steps of {seconds(own):g} s"
-            raise CouplingError(f"{name} needs steps of equal length, but {why}; {cure}")
-
-
-def sample_period(instance: Instance) -> float | None:
-    """Return the sample period of an instance in s, or None if it has none: a parameter ``period`` in s."""
-    variable = instance.variables.get("period")
-    if variable is None or variable.causality != "parameter" or variable.unit != "s":
-        return None
-    return float(instance.get("period"))
-
-
-def check_periods(system: System, step: int) -> None:
-    """Refuse a sample period whose ticks are no communication points and that does not divide the step either."""
-    for name, instance in system.instances.items():
-        sampled = sample_period(instance)
-        if sampled is None:
-            continue
-        period, own = ticks(sampled, f"the period of {name}"), step * system.every[name]
-        if period % own and own % period:
-            raise CouplingError(
-                f"{name} has a period of {seconds(period):g} s, which is neither a multiple nor a whole fraction of "
-                f"its step of {seconds(own):g} s; choose a step that divides the period"
-            )

@@ -52,6 +52,7 @@ class Point(NamedTuple):
     inputs: Mapping[str, np.ndarray]
     outputs: Mapping[str, np.ndarray]
     row: np.ndarray
+    micro: int = 0  # of superdense time: 0, or the how manyth instant at ``end``, which then is ``start``, too
 
 
 class Block(NamedTuple):

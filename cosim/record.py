@@ -1,7 +1,12 @@
-"""A run in memory: every input and output at every accepted point, as NumPy arrays or an xarray dataset."""
+"""A run at hand: every input and output at every accepted point, as NumPy arrays or an xarray dataset.
+
+It lies in memory while it is short; of a long one the older part lies in a temporary file, and only what is asked for
+is read back.
+"""
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,34 +15,14 @@ import numpy as np
 
 from .clock import NS
 from .errors import WiringError, nearest
-from .observer import Observer, Point, RunInfo, Summary
+from .observer import Block, Observer, Point, RunInfo, Summary
+from .rows import LIMIT, Rows
 from .variable import FLOAT, Variable
 
 if TYPE_CHECKING:
     import xarray
 
     from .system import System
-
-_CHUNK = 4096  # rows
-
-
-class _Rows:
-    """Rows of one length, kept in chunks, so that a growing record never copies what it has."""
-
-    def __init__(self, width: int) -> None:
-        self.chunks: list[np.ndarray] = [np.empty((_CHUNK, width))]
-        self.used = 0
-
-    def append(self, row: np.ndarray) -> None:
-        if self.used == _CHUNK:
-            self.chunks.append(np.empty_like(self.chunks[0]))
-            self.used = 0
-        self.chunks[-1][self.used] = row
-        self.used += 1
-
-    def rows(self, at: slice) -> np.ndarray:
-        parts = [*self.chunks[:-1], self.chunks[-1][: self.used]]
-        return np.concatenate([part[:, at] for part in parts])
 
 
 @dataclass(frozen=True)
@@ -50,12 +35,13 @@ class _Port:
 class Record(Observer):
     """Keeps what was accepted.  ``record["body.gap"]`` has the shape (points, *shape of the port).
 
-    An input at a point is the value held over the step that ended there.  *names* keeps only these ports.
+    An input at a point is the value held over the step that ended there.  *names* keeps only these ports.  Beyond
+    *limit* bytes the older points lie in a temporary file, in the folder that TMPDIR names.
     """
 
-    def __init__(self, names: Iterable[str] | None = None) -> None:
-        self.names = None if names is None else tuple(names)
-        self.points: list[tuple[int, int]] = []  # (start, end) in ns
+    def __init__(self, names: Iterable[str] | None = None, limit: int = LIMIT) -> None:
+        self.names, self.limit = None if names is None else tuple(names), limit
+        self._starts, self._ends = array("q"), array("q")  # of the accepted steps, in ns
         self.events: list[tuple[int, str]] = []  # (time in ns, component)
         self.rejections: list[tuple[int, int, int, str]] = []  # (start, end, reached, component)
         self.info: RunInfo | None = None
@@ -82,7 +68,7 @@ class Record(Observer):
         self._others = [(port, kept.values) for port, kept in self._ports.items() if kept.at is None]
         if self.names is not None:
             self._select()
-        self._rows = _Rows(len(system.row) if self._places is None else len(self._places))
+        self._rows = Rows(len(system.row) if self._places is None else len(self._places), self.limit)
 
     def _select(self) -> None:
         """Keep only the values of the ports recorded, in their order."""
@@ -95,10 +81,19 @@ class Record(Observer):
         self._places = np.concatenate(places)
 
     def accepted(self, point: Point) -> None:
-        self.points.append((point.start, point.end))
         self._rows.append(point.row if self._places is None else point.row[self._places])
         for port, values in self._others:
             values.append(self._system[port])
+        self._starts.append(point.start)
+        self._ends.append(point.end)
+
+    def accepted_block(self, block: Block) -> None:
+        if self._others:
+            super().accepted_block(block)
+            return
+        self._rows.extend(block.rows if self._places is None else block.rows[:, self._places])
+        self._starts.frombytes(block.starts.astype(np.int64).tobytes())
+        self._ends.frombytes(block.ends.astype(np.int64).tobytes())
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
         self.rejections.append((start, end, reached, component))
@@ -113,9 +108,14 @@ class Record(Observer):
         self.error = error
 
     @property
+    def points(self) -> list[tuple[int, int]]:
+        """Start and end of every accepted step in ns, the first one being the start of the run."""
+        return list(zip(self._starts, self._ends, strict=True))
+
+    @property
     def time_ns(self) -> np.ndarray:
         """Ends of the accepted steps in ns, the start of the run first."""
-        return np.array([end for _, end in self.points], dtype=np.int64)
+        return np.array(self._ends, dtype=np.int64)
 
     @property
     def time(self) -> np.ndarray:
@@ -123,7 +123,7 @@ class Record(Observer):
         return self.time_ns / NS
 
     def __len__(self) -> int:
-        return len(self.points)
+        return len(self._ends)
 
     def __contains__(self, port: object) -> bool:
         return port in self._ports
@@ -139,7 +139,7 @@ class Record(Observer):
         kept = self._ports[port]
         if kept.at is None:
             return np.array(kept.values)
-        return self._rows.rows(kept.at).reshape(-1, *kept.variable.shape)
+        return self._rows.columns(kept.at)[: len(self)].reshape(-1, *kept.variable.shape)
 
     def get(self, port: str) -> np.ndarray | None:
         """Return a port's values over the run, or None if it was not recorded."""

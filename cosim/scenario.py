@@ -34,6 +34,9 @@ class Slot(BaseModel):
     type: str | None = None
     fmu: str | None = None
     every: int = Field(1, ge=1, strict=True)  # steps at every n-th macro step
+    isolated: bool | None = Field(None, strict=True)  # in a process of its own; None: only if the FMU asks for it
+    time_limit: float | None = Field(None, gt=0)  # s, for a call into an FMU in a process of its own
+    retry: bool = Field(False, strict=True)  # steps that the FMU discards are repeated in shorter ones
 
     def parameters(self) -> dict[str, Any]:
         """Return the values given for the component's own parameters."""
@@ -58,9 +61,12 @@ class RunSettings(BaseModel):
 
     step: float = Field(1e-4, gt=0, strict=False)
     duration: float = Field(..., gt=0)
-    algorithm: Literal["gauss-seidel", "jacobi"] = "gauss-seidel"
+    algorithm: Literal["gauss-seidel", "jacobi", "iterated"] = "gauss-seidel"
     order: tuple[str, ...] = ()
+    solve_loops: bool = False  # bring all outputs up to date at every communication point
+    trusted: tuple[str, ...] = ()  # who can be read after setting though FMI 2.0 does not promise it
     locate_events: bool = True
+    events: dict[str, Literal["rising", "falling", "crossing", "change"]] = Field({})  # outputs that tell of an event
     tolerance: float = Field(1e-8, gt=0, lt=1e-2)
     fmi: Literal[2, 3] = 3
     signals: tuple[str, ...] = ()  # patterns such as "wheels.*"; none: every port
@@ -123,6 +129,11 @@ class Scenario(BaseModel):
         if not isinstance(value, Mapping):
             return value
         return {target: chain if isinstance(chain, (list, tuple)) else [chain] for target, chain in value.items()}
+
+    def slot(self, name: str) -> Slot:
+        """Return what the scenario says of a slot, also of one in a connection; the default for one that it omits."""
+        placed = {element.name: element.slot for element in self.elements()}
+        return self.components.get(name) or placed.get(name) or Slot()
 
     def elements(self) -> list[Element]:
         """Return what stands in connections, in the order of the file, the first that a signal passes first."""
@@ -232,10 +243,16 @@ class ScenarioFile:
         except ValidationError as error:
             raise ScenarioError(f"{self.path}: {_first(error, Scenario)}") from None
 
-    def overrides(self, texts: Iterable[str]) -> list[dict[str, Any]]:
-        """Read ``--set`` texts for this file."""
+    def overrides(self, changes: Iterable[str | Mapping[str, Any]]) -> list[dict[str, Any]]:
+        """Read ``--set`` texts, or tables, for this file; ``components`` may be left out before a slot."""
         slots = {"controller", "wheels", "body", "chassis", *self.table.get("components", {})}
-        return [parse_override(text, slots) for text in texts]
+        return [parse_override(c, slots) if isinstance(c, str) else _below_components(c, slots) for c in changes]
+
+
+def _below_components(change: Mapping[str, Any], slots: Iterable[str]) -> dict[str, Any]:
+    """Return a table of changes with the slots where they belong."""
+    found = {name: value for name, value in change.items() if name not in slots}
+    return merge(found, {"components": {name: value for name, value in change.items() if name in slots}})
 
 
 def _first(error: ValidationError, model: type[BaseModel]) -> str:

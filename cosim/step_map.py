@@ -21,7 +21,7 @@ from .clock import seconds, ticks
 from .errors import CouplingError, WiringError, nearest
 from .instance import Instance
 from .linearize import Linear, named, unconnected
-from .master import sample_period
+from .step_checks import sample_period
 from .system import Saved, System
 from .variable import FLOAT, Variable
 from .wiring import find

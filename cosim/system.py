@@ -15,14 +15,15 @@ import numpy as np
 
 from .algorithms import Algorithm
 from .errors import CouplingError, WiringError, nearest
+from .event_location import located
 from .initialize import initialize
 from .instance import Instance
-from .variable import FLOAT, Variable
-from .wiring import Connection, Link, wire
+from .variable import CLOCK, FLOAT, Variable
+from .wiring import Connection, End, Link, wire
 
 
 @dataclass(frozen=True)
-class _Inlet:
+class Inlet:
     """The wires into one component: ``u[targets] = factor * values[sources] + offset``, and what is not Float64."""
 
     targets: np.ndarray
@@ -47,8 +48,9 @@ class System:
     """Instances by name, connected; owns the values that travel.
 
     ``connections`` maps targets to sources (see ``wiring``).  ``every`` maps a component to the number of macro steps
-    that it takes in one: with 4 it steps once, over all four, when the others have done the fourth.  The names given
-    here become the names of the instances.  A system runs once; ``close``, or ``with``, closes its instances.
+    that it takes in one: with 4 it steps once, over all four, when the others have done the fourth.  ``events``
+    maps outputs to what they do at an event, which then is located (see ``event_location``).  The names given here
+    become the names of the instances.  A system runs once; ``close``, or ``with``, closes its instances.
 
     ``row`` is what everybody shows: the buffers of all, inputs first, that of (component, causality) at ``places``.
     """
@@ -59,8 +61,9 @@ class System:
         connections: Mapping[str, str | Link | Mapping[str, Any]],
         *,
         every: Mapping[str, int] | None = None,
+        events: Mapping[str, str] | None = None,
     ) -> None:
-        self.instances = dict(instances)
+        self.instances = located(instances, events or {})
         self.names = tuple(self.instances)
         for name, instance in self.instances.items():
             if not name or "." in name:
@@ -74,9 +77,10 @@ class System:
         self._values = self.row[sum(len(i.u) for i in self.instances.values()) :]  # the outputs of all
         self._others: dict[tuple[str, str], Any] = {}
         self._inlets = {name: self._inlet(name) for name in self.names}
+        self._some: dict[tuple[str, ...], Inlet] = {}  # into some ports of a component, made when first asked for
         self._travelling = {
             name: tuple({c.source.variable.name for c in self.connections
-                         if c.source.component == name and not c.numeric})
+                         if c.source.component == name and not c.numeric and c.source.variable.type != CLOCK})
             for name in self.names
         }  # fmt: skip
 
@@ -109,18 +113,19 @@ class System:
         found: list[str] = []
         for name, instance in self.instances.items():
             for v in instance.variables.values():
-                if v.causality == "input":
+                if v.causality == "input" and (v.type != CLOCK or v.interval == "triggered"):
                     have = driven.get((name, v.name), set())
                     labels = v.labels() if have else [v.name]
                     found += [f"{name}.{label}" for i, label in enumerate(labels) if i not in have]
         return tuple(found)
 
-    def _inlet(self, name: str, ports: Iterable[str] | None = None) -> _Inlet:
-        """Index arrays of the wires into a component, or into some of its ports."""
-        u_at = self.instances[name].u_at
-        wires = [c for c in self.connections if c.target.component == name]
-        if ports is not None:
-            wires = [c for c in wires if c.target.variable.name in ports]
+    def _inlet(self, name: str, ports: Iterable[str] | None = None) -> Inlet:
+        """Index arrays of the wires into a component: into some of its ports, or all that do not wait for events."""
+        u_at, waiting = self.instances[name].u_at, self.instances[name].discrete
+        wires = [c for c in self.connections if c.target.component == name and c.target.variable.type != CLOCK]
+        wires = [
+            c for c in wires if (v := c.target.variable.name) in (ports or ()) or (ports is None and v not in waiting)
+        ]
         numeric = [(c, c.target.positions(u_at[c.target.variable.name])) for c in wires if c.numeric]
         empty = np.zeros(0, int)
         targets = np.concatenate([empty] + [p for _, p in numeric])
@@ -132,7 +137,7 @@ class System:
         plain = bool(np.all(factor == 1) and np.all(offset == 0))
         complete = len(targets) == len(self.instances[name].u)
         others = tuple(c for c in wires if not c.numeric)
-        return _Inlet(targets, sources, None if plain else factor, offset, complete, others)
+        return Inlet(targets, sources, None if plain else factor, offset, complete, others)
 
     def _source(self, connection: Connection) -> np.ndarray:
         end = connection.source
@@ -143,7 +148,10 @@ class System:
 
     def feed(self, name: str, ports: Iterable[str] | None = None) -> None:
         """Set a component's connected inputs (or only *ports*) from the latest outputs collected."""
-        inlet = self._inlets[name] if ports is None else self._inlet(name, ports)
+        inlet = self._inlets[name]
+        if ports is not None:
+            key = (name, *ports)
+            inlet = self._some[key] = self._some.get(key) or self._inlet(name, key[1:])
         instance = self.instances[name]
         if inlet.factor is not None:
             instance.u[inlet.targets] = inlet.factor * self._values[inlet.sources] + inlet.offset
@@ -161,6 +169,24 @@ class System:
         instance.pull()  # into our own array
         for port in self._travelling[name]:
             self._others[name, port] = instance.get(port)
+
+    @property
+    def values(self) -> np.ndarray:
+        """The part of ``row`` that holds the outputs of all, as last collected."""
+        return self._values
+
+    def inlet(self, name: str) -> Inlet:
+        """Return the wires into a component; the sources count in ``values``."""
+        return self._inlets[name]
+
+    def other(self, end: End) -> Any:
+        """Return the value of an output that is not Float64, as last collected."""
+        return self._others[end.component, end.variable.name]
+
+    @property
+    def numeric(self) -> bool:
+        """Whether all that travels is Float64."""
+        return not any(self._travelling.values())
 
     def place(self, name: str, variable: Variable) -> slice:
         """Return where a Float64 input or output of a component lies in ``row``."""
@@ -185,7 +211,7 @@ class System:
     def initialize(self, start: int = 0, stop: int | None = None, tolerance: float | None = None) -> None:
         """Initialise every component at tick *start*, outputs propagated in the order the feedthroughs ask for.
 
-        Raises CouplingError for an algebraic loop, and for a system that has run before.
+        Algebraic loops are solved.  Raises CouplingError for one without a solution, and for a system that has run.
         """
         if self.time:
             raise CouplingError("this system has been initialised before; build a new one from new instances")
@@ -214,9 +240,14 @@ class System:
         """Return for each connection, by its target, the steps of delay that *algorithm* implies: 0 or 1.
 
         0: over its step the target holds the value its source has at the end of it; 1: the one at the beginning.
+        What is set at events only is passed on at the instant it changes: 0.
         Both count in macro steps; a source that steps every n of them holds its values in between.
         """
-        return {c.target.port: algorithm.delay(self, c.source.component, c.target.component) for c in self.connections}
+        return {
+            c.target.port: 0 if c.target.variable.name in self.instances[c.target.component].discrete
+            else algorithm.delay(self, c.source.component, c.target.component)
+            for c in self.connections
+        }  # fmt: skip
 
     def _repr_html_(self) -> str:
         from .show import system_html

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -29,11 +30,13 @@ class PythonInstance(Instance):
         self.component = component
         self.eq: Equations = component.equations
         super().__init__(name, component.variables)
-        self.can = Capabilities(True, True, any(self.eq.announced), True)
+        self.can = Capabilities(True, True, any(self.eq.announced), True, input_derivatives=2)
         self.t = 0.0
         self.x = self._starts(self.eq.states)
         self.p = self._starts(self.eq.parameters)
         self._u = self.u.copy()
+        self._slopes: list[np.ndarray] = []  # derivatives of the inputs at the start of a step
+        self._since = 0.0  # s, where that step began
         self.tables = {b.name: component.values[b.name] for b in self.eq.tables}
         self.tolerance = 1e-8
         self.after_event = False  # the states are a hair past an event: the next step is a short one
@@ -82,6 +85,19 @@ class PythonInstance(Instance):
 
     def push(self) -> None:
         self._u[:] = self.u
+        self._slopes = []
+
+    def set_input_derivatives(self, values: list[np.ndarray]) -> None:
+        if len(values) > self.can.input_derivatives:
+            super().set_input_derivatives(values)
+        self._slopes = [np.array(v, float) for v in values]
+
+    def _inputs(self, t: float) -> np.ndarray:
+        """Return the inputs at *t*: those set, or a polynomial from where the step began."""
+        u, since = self._u, t - self._since
+        for order, slope in enumerate(self._slopes, 1):
+            u = u + since**order / (1, 1, 2)[order] * slope
+        return u
 
     def pull(self) -> None:
         self.y[:] = self._call("out")
@@ -91,7 +107,7 @@ class PythonInstance(Instance):
     def _rows(self, t: float, x: np.ndarray, h: float) -> np.ndarray:
         if self.eq.where is None:
             return np.zeros(0)
-        keys = np.asarray(self.eq.where(t, h, x, self._u, self.p, 0)).ravel()
+        keys = np.asarray(self.eq.where(t, h, x, self._inputs(t), self.p, 0)).ravel()
         found, k = [], 0
         for block in self.eq.tables:
             rows = self.tables[block.name]
@@ -104,7 +120,8 @@ class PythonInstance(Instance):
         self, function: str, t: float | None = None, x: np.ndarray | None = None, h: float = 0.0, *more: Any
     ) -> np.ndarray:
         t, x = self.t if t is None else t, self.x if x is None else x
-        return np.asarray(getattr(self.eq, function)(t, h, x, self._u, self.p, self._rows(t, x, h), *more)).ravel()
+        u = self._inputs(t)
+        return np.asarray(getattr(self.eq, function)(t, h, x, u, self.p, self._rows(t, x, h), *more)).ravel()
 
     def _check(self, values: np.ndarray, blocks: tuple[Block, ...], t: float, what: str) -> None:
         if not np.all(np.isfinite(values)):
@@ -128,7 +145,7 @@ class PythonInstance(Instance):
 
     def step(self, start: int, end: int, *, early_return: bool = False) -> Advance:
         self._check(self._u, self.eq.inputs, seconds(start), "input")
-        now = start
+        now, self._since = start, seconds(start)
         for tick in self._ticks(start, end):
             if self.eq.sync is not None and tick < end:
                 if tick > now and (stopped := self._advance(now, tick, early_return)).early:
@@ -153,7 +170,9 @@ class PythonInstance(Instance):
         """Integrate from one tick to another, through every event that does not stop it."""
         t, stop = seconds(start), seconds(end)
         if self.eq.flow is not None:
-            self.x = self._call("flow", t, self.x, stop - t)
+            n = 1 if self.eq.micro is None else max(1, ceil((stop - t) / self.p[self.eq.micro] - 1e-6))
+            for i in range(n):
+                self.x = self._call("flow", t + i * ((stop - t) / n), self.x, (stop - t) / n)
             return Advance(end)
         if self.eq.ode is None:
             return Advance(end)
@@ -208,12 +227,16 @@ class PythonInstance(Instance):
     # rollback
 
     def snapshot(self) -> Any:
-        kept: dict[str, Any] = {"t": self.t, "x": self.x, "u": self._u, "p": self.p, "after_event": self.after_event}
+        kept: dict[str, Any] = {
+            "t": self.t, "x": self.x, "u": self._u, "p": self.p, "after_event": self.after_event,
+            "slopes": self._slopes, "since": self._since,
+        }  # fmt: skip
         return {name: np.copy(value) for name, value in kept.items()}
 
     def restore(self, snapshot: Any) -> None:
         self.after_event = bool(snapshot["after_event"])
         self.t, self.x, self.p = float(snapshot["t"]), snapshot["x"].copy(), snapshot["p"].copy()
+        self._slopes, self._since = list(snapshot["slopes"]), float(snapshot["since"])
         self._u[:] = snapshot["u"]
         self.u[:] = snapshot["u"]
 

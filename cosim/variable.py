@@ -12,6 +12,7 @@ Causality = Literal[
     "parameter", "input", "output", "local", "independent", "structuralParameter", "calculatedParameter"
 ]
 FLOAT = "Float64"
+CLOCK = "Clock"
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class Variable:
     nominal: float = 1.0  # size that counts as large
     depends_on: tuple[str, ...] | None = None  # outputs: the inputs that feed through at once; None: not known, so all
     unit_definition: Unit | None = None  # what a foreign FMU defines its unit to be; None: what its spelling says
+    clocks: tuple[str, ...] = ()  # a clocked variable: it has a value while one of them ticks
+    interval: str = ""  # of a clock: constant, fixed, tunable, changing, countdown or triggered
 
     @property
     def size(self) -> int:

@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from ctypes import CFUNCTYPE, Structure, c_char_p, c_int, c_size_t, c_void_p
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import fmpy
 
@@ -23,6 +23,8 @@ OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 class Log:
     """The last messages of one instance, oldest first."""
 
+    told: ClassVar[Callable[[int, bytes | None], None] | None] = None  # in a process of its own: passes them on
+
     def __init__(self) -> None:
         self.entries: deque[tuple[int, str]] = deque(maxlen=20)
         self.warnings: deque[str] = deque(maxlen=100)
@@ -33,6 +35,8 @@ class Log:
         self.entries.append((status, text))
         if status == WARNING:
             self.warnings.append(text)
+        if Log.told is not None:
+            Log.told(status, message)
 
     def reason(self, what: str, status: int) -> str:
         """Return what the FMU said about a failed call, and forget it."""
@@ -44,6 +48,9 @@ class Log:
 
 class Library:
     """A loaded shared library; unloaded by ``close``."""
+
+    # in a process of its own: what puts around a function that its name is known while it is called
+    around: ClassVar[Callable[[str, Callable[..., Any]], Callable[..., Any]] | None] = None
 
     def __init__(self, path: Path, prototypes: Mapping[str, tuple[Any, ...]]) -> None:
         self._prototypes = prototypes
@@ -62,7 +69,7 @@ class Library:
         except AttributeError:
             raise ExportError(f"the FMU's library {self.path} does not export {name}") from None
         found.argtypes, found.restype = self._prototypes[name], result
-        return found
+        return found if Library.around is None else Library.around(name, found)
 
     def close(self) -> None:
         """Unload the library, unless others have it open too."""

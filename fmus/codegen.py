@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -49,7 +50,7 @@ def equations_source(layout: Layout) -> str:
 
 def _exported(function: ca.Function, name: str) -> ca.Function:
     """Return the function under another name, with what it computes more than once computed once."""
-    arguments = function.sx_in()
+    arguments: Any = function.mx_in() if function.is_a("MXFunction") else function.sx_in()
     return ca.Function(name, arguments, ca.cse(function.call(arguments)))
 
 
@@ -82,6 +83,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
         "n_keys": sum(b.shape[0] for b in eq.tables),
         "n_tables": len(eq.tables),
         "period": period,
+        "micro": -1 if eq.micro is None else first["p"] + eq.micro,
         "n_iw": max(f.sz_iw() for f in functions.values()),
         "n_work": max(f.sz_w() for f in functions.values()),
     }
@@ -93,6 +95,8 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
         [
             f"/* {identifier}: its equations and the description of its slots; generated. */",
             f"#define FMI_VERSION {fmi}",
+            f"#define SZ_ARG {max(8, *(f.sz_arg() for f in functions.values()))}",
+            f"#define SZ_RES {max(f.sz_res() for f in functions.values())}",
             _INCLUDE_EQUATIONS,
             _array("double", "start_of", [repr(float(v)) for v in start]),
             _array("double", "nominal_of", [repr(float(v)) for v in eq.nominal]),
@@ -110,6 +114,12 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
 _INCLUDE_EQUATIONS = """\
 #define CASADI_SYMBOL_EXPORT static
 #define casadi_int long long
+/* fmax and fmin of <math.h> are calls into libm, around which a compiler keeps no number in a register; written out they
+ * are one instruction each.  A NaN goes on, where libm would drop it: it is found at the end of the step. */
+static inline double larger(double x, double y) { return x > y ? x : y; }
+static inline double smaller(double x, double y) { return x < y ? x : y; }
+#define fmax(x, y) larger(x, y)
+#define fmin(x, y) smaller(x, y)
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -118,7 +128,9 @@ _INCLUDE_EQUATIONS = """\
 #include "equations.c"
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
-#endif"""
+#endif
+#undef fmax
+#undef fmin"""
 
 
 def _array(type: str, name: str, values: list[str], empty: str = "0") -> str:

@@ -17,7 +17,9 @@ from cosim import ExportError
 from .describe import SOURCE
 
 # no contraction to fused multiply-add: the same numbers on every platform and in the Python instance
-FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-DLIBM_IS_LINKED", "-shared")
+# nobody looks at errno or at the exceptions' flags, which do not change a number
+MATHS = ("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+FLAGS = ("-std=c11", "-O2", *MATHS, "-fvisibility=hidden", "-DLIBM_IS_LINKED", "-shared")
 HERE = fmpy.platform_tuple  # this machine, in FMI 3.0's spelling
 
 

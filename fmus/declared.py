@@ -46,12 +46,21 @@ def declared_variables(description: Any) -> tuple[dict[str, Variable], dict[str,
             unit_definition=units.get(unit),
             start=_start(elements, shape),
             meaning=head.description or "",
-            variability=head.variability or "",
+            variability=head.variability or _variability(head),
             nominal=float(getattr(head, "nominal", None) or 1.0),
             depends_on=None if None in known else tuple(dict.fromkeys(_base(n) for k in known if k for n in k)),
+            clocks=tuple(c.name for c in getattr(head, "clocks", None) or ()),
+            interval=getattr(head, "intervalVariability", None) or "",
         )
         references[name] = References(head.type, tuple(e.valueReference for e in elements))
     return variables, references
+
+
+def _variability(variable: Any) -> str:
+    """Return what the standard takes for granted where nothing is written."""
+    if variable.causality in ("parameter", "structuralParameter", "calculatedParameter"):
+        return "fixed"
+    return "continuous" if variable.type in ("Real", "Float64", "Float32") else "discrete"
 
 
 def _grouped(description: Any) -> Iterator[tuple[str, tuple[int, ...], list[Any]]]:

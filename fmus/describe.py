@@ -64,6 +64,7 @@ def _interface(root: ET.Element, layout: Layout, identifier: str, fmi: int) -> N
             "canGetAndSetFMUstate": "true",
             "canSerializeFMUstate": "true",
             "providesDirectionalDerivative": "true",
+            "canInterpolateInputs": "true",
         }
         ET.SubElement(ET.SubElement(interface, "SourceFiles"), "File", name=SOURCE)
     else:
@@ -72,6 +73,7 @@ def _interface(root: ET.Element, layout: Layout, identifier: str, fmi: int) -> N
             "canSerializeFMUState": "true",
             "providesDirectionalDerivatives": "true",
             "canHandleVariableCommunicationStepSize": "true",
+            "providesIntermediateUpdate": "true",
             "mightReturnEarlyFromDoStep": announces,
             "hasEventMode": announces,
         }
@@ -124,6 +126,8 @@ def _arrays(root: ET.Element, layout: Layout) -> None:
     for v in layout.variables:
         element = ET.SubElement(parent, v.type, name=v.name, valueReference=str(layout.reference[v.name]))
         element.attrib |= _attributes(layout, v)
+        if v.causality == "input":
+            element.set("intermediateUpdate", "true")
         if v.type == "String":
             ET.SubElement(element, "Start", value=str(v.start))
             continue

@@ -31,7 +31,9 @@ _PROTOTYPES: dict[str, tuple[Any, ...]] = {
     "fmi2EnterInitializationMode": (c_void_p,),
     "fmi2ExitInitializationMode": (c_void_p,),
     "fmi2Terminate": (c_void_p,),
+    "fmi2Reset": (c_void_p,),
     "fmi2DoStep": (c_void_p, c_double, c_double, c_int),
+    "fmi2SetRealInputDerivatives": (c_void_p, c_void_p, c_size_t, c_void_p, c_void_p),
     "fmi2GetRealStatus": (c_void_p, c_int, c_void_p),
     "fmi2GetBooleanStatus": (c_void_p, c_int, c_void_p),
     "fmi2GetFMUstate": (c_void_p, c_void_p),
@@ -47,6 +49,8 @@ _PROTOTYPES: dict[str, tuple[Any, ...]] = {
 
 class Fmu2(FmuInstance):
     """An instance of an FMI 2.0 FMU."""
+
+    _slopes: np.ndarray | None = None  # derivatives of the inputs that the FMU has, by order; None: it never had any
 
     @staticmethod
     def prototypes() -> dict[str, tuple[Any, ...]]:
@@ -115,6 +119,29 @@ class Fmu2(FmuInstance):
         self._call("fmi2ExitInitializationMode")
         self._initialized = True
 
+    def push(self) -> None:
+        """Hand the buffer ``u`` to the FMU; derivatives hold for one step only."""
+        super().push()
+        if self._slopes is not None and self._slopes.any():
+            self.set_input_derivatives([])
+
+    def set_input_derivatives(self, values: list[np.ndarray]) -> None:
+        """Let the inputs of the next step be polynomials; see ``Instance``."""
+        if len(values) > self.can.input_derivatives:
+            super().set_input_derivatives(values)
+        if not self._push:
+            return
+        n, orders = self._push[2], self.can.input_derivatives
+        if self._slopes is None:
+            self._slopes = np.zeros((orders, n))
+            self._derivatives = (
+                (c_uint32 * (n * orders))(*list(self._push[1]) * orders), n * orders,
+                (c_int * (n * orders))(*(k for k in range(1, orders + 1) for _ in range(n))), self._slopes.ctypes.data,
+            )  # fmt: skip
+        for order, slope in enumerate(self._slopes):
+            slope[:] = values[order] if order < len(values) else 0.0
+        self._call("fmi2SetRealInputDerivatives", *self._derivatives)
+
     def step(self, start: int, end: int, *, early_return: bool = False) -> Advance:
         """Advance from tick *start* to *end*; FMI 2.0 has no early return."""
         self.time, t = end / NS, start / NS
@@ -123,18 +150,19 @@ class Fmu2(FmuInstance):
             return Advance(end)
         self.time = t
         if status == DISCARD:
-            reached = self._terminated_at()
-            if reached is not None:
+            reached, terminated = self._discarded_at()
+            if terminated:
                 return Advance(tick_at_or_after(reached), early=reached < end / NS, terminated=True)
-        self._fail("fmi2DoStep" if status != DISCARD else "fmi2DoStep (the step was discarded)", status)
+            return self._discarded("fmi2DoStep", start, end, reached, early_return)
+        self._fail("fmi2DoStep", status)
 
-    def _terminated_at(self) -> float | None:
-        """Where the FMU ended the simulation, if it did: FMI 2.0 says so by a discarded step and a status."""
+    def _discarded_at(self) -> tuple[float, bool]:
+        """Return how far a discarded step came, and whether that ends the simulation: so does FMI 2.0 say it."""
         flag, reached = c_int(), c_double(self.time)
-        if self._function("fmi2GetBooleanStatus")(self._c, TERMINATED, byref(flag)) > WARNING or not flag.value:
-            return None
+        if self._function("fmi2GetBooleanStatus")(self._c, TERMINATED, byref(flag)) > WARNING:
+            flag.value = 0
         self._function("fmi2GetRealStatus")(self._c, LAST_SUCCESSFUL_TIME, byref(reached))
-        return reached.value
+        return reached.value, bool(flag.value)
 
     def _end(self) -> None:
         if self._initialized:
@@ -154,6 +182,8 @@ class Fmu2(FmuInstance):
         state, u, self.time = snapshot
         self._call("fmi2SetFMUstate", state)
         self.u[:] = u
+        if self._slopes is not None:
+            self._slopes[:] = np.nan  # what it has now only the FMU knows
 
     def forget(self, snapshot: Any) -> None:
         """Free a snapshot."""

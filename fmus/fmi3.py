@@ -13,9 +13,11 @@ import numpy as np
 from cosim import Advance, ExportError, StepError, Variable, WiringError
 from cosim.clock import NS, seconds, tick_at_or_after
 
+from . import intermediate
 from .binding import DISCARD, WARNING, receive3
 from .declared import References
 from .instance import FmuInstance, seconds_between
+from .intermediate import Polynomials
 
 _NUMBERS: dict[str, Any] = {
     "Float32": ctypes.c_float,
@@ -41,6 +43,7 @@ _PROTOTYPES: dict[str, tuple[Any, ...]] = {
     "fmi3EnterInitializationMode": (c_void_p, c_bool, c_double, c_double, c_bool, c_double),
     "fmi3ExitInitializationMode": (c_void_p,),
     "fmi3Terminate": (c_void_p,),
+    "fmi3Reset": (c_void_p,),
     "fmi3DoStep": (c_void_p, c_double, c_double, c_bool, c_void_p, c_void_p, c_void_p, c_void_p),
     "fmi3GetFMUState": (c_void_p, c_void_p),
     "fmi3SetFMUState": (c_void_p, c_void_p),
@@ -57,7 +60,9 @@ _PROTOTYPES: dict[str, tuple[Any, ...]] = {
 
 
 class Fmu3(FmuInstance):
-    """An instance of an FMI 3.0 FMU, used without event mode."""
+    """An instance of an FMI 3.0 FMU, used without event mode; ``event_mode.EventFmu3`` uses it."""
+
+    _polynomials: Polynomials | None = None
 
     @staticmethod
     def prototypes() -> dict[str, tuple[Any, ...]]:
@@ -66,9 +71,13 @@ class Fmu3(FmuInstance):
 
     def _instantiate(self) -> int:
         resources = os.path.join(self.archive.folder, "resources", "")
+        if self.can.input_derivatives:
+            self._polynomials = self._intermediate()
+        asked = self._polynomials.references if self._polynomials else (c_uint32 * 0)()
         component = self._function("fmi3InstantiateCoSimulation", c_void_p)(
             self.name.encode(), self.archive.token.encode(), resources.encode(), False, False,
-            False, self.can.early_return, None, 0, self._environment, receive3, None,
+            self.can.event_mode, self.can.early_return, asked or None, len(asked), self._environment, receive3,
+            intermediate.update if asked else None,
         )  # fmt: skip
         if not component:
             raise ExportError(f"{self.archive.path} cannot be instantiated: {self.log.reason('it', 3)}")
@@ -77,7 +86,32 @@ class Fmu3(FmuInstance):
         start = ctypes.addressof(self._flags)
         self._ending = (start, start + 1, start + 2, ctypes.addressof(self._reached))
         self._do_step = self._function("fmi3DoStep")
+        if self._polynomials:
+            self._polynomials.attach(int(component), self._function("fmi3SetFloat64"))
         return int(component)
+
+    def _intermediate(self) -> Polynomials:
+        names = [n for n in self.u_at if n in self.archive.intermediate]
+        places = [np.arange(self.u_at[n].start, self.u_at[n].stop) for n in names]
+        references = [r for n in names for r in self.archive.references[n].values]
+        return Polynomials(self._environment, references, np.concatenate([np.zeros(0, int), *places]))
+
+    def _end_of_use(self, why: str) -> None:
+        super()._end_of_use(why)
+        intermediate.forget(self._environment)
+
+    def push(self) -> None:
+        """Hand the buffer ``u`` to the FMU; derivatives hold for one step only."""
+        super().push()
+        if self._polynomials:
+            self._polynomials.coefficients = []
+
+    def set_input_derivatives(self, values: list[np.ndarray]) -> None:
+        """Let the inputs of the next step be polynomials, as far as the FMU asks for them; see ``Instance``."""
+        if not self._polynomials or len(values) > self.can.input_derivatives:
+            super().set_input_derivatives(values)
+        elif values:
+            self._polynomials.take(self.u, values)
 
     # values
 
@@ -141,7 +175,11 @@ class Fmu3(FmuInstance):
     def step(self, start: int, end: int, *, early_return: bool = False) -> Advance:
         """Advance from tick *start* to *end*, or to an event if *early_return* and the FMU can."""
         self.time, t = end / NS, start / NS
+        if self._polynomials:
+            self._polynomials.began = t
         status = self._do_step(self._c, t, seconds_between(start, end), False, *self._ending)
+        if self._polynomials and self._polynomials.failed:
+            self._fail("setting the inputs within a step", self._polynomials.status)
         if status == 0 and not (self._flags[1] or self._flags[2]):
             return Advance(end)
         return self._unusual(status, start, end, early_return)
@@ -152,8 +190,9 @@ class Fmu3(FmuInstance):
         for _ in range(10_000):  # early returns in one step: more are no progress
             if status > WARNING:
                 self.time = t
-                what = "fmi3DoStep" if status != DISCARD else "fmi3DoStep (the step was discarded)"
-                self._fail(what, status)
+                if status == DISCARD:
+                    return self._discarded("fmi3DoStep", start, end, self._reached.value, early_return)
+                self._fail("fmi3DoStep", status)
             reached = self._reached.value
             if self._flags[1]:
                 return Advance(tick_at_or_after(reached), early=reached < end / NS, terminated=True)

@@ -17,8 +17,9 @@ import fmpy
 from fmpy.model_description import read_model_description
 
 from cosim import Capabilities, ExportError, Variable
+from cosim.cache import cache_folder
 
-from .cache import cache_folder
+from .clocks import Clock, declared_clocks
 from .declared import References, declared_variables
 
 
@@ -38,8 +39,13 @@ class Archive:
     variables: dict[str, Variable]
     references: dict[str, References]
     can: Capabilities
-    event_mode: bool
+    event_mode: bool  # it has one; where it is used, ``can`` says so, too
+    clocks: dict[str, Clock]
+    intermediate: tuple[str, ...]  # FMI 3.0: inputs it asks for within a step
     memory_functions: bool  # FMI 2.0: it takes the importer's memory functions
+    once_per_process: bool  # it can be in a process only once
+    needs_tool: bool  # its tool must be installed, which it starts or calls
+    retry: bool = False  # a step that it discards is repeated in shorter ones
 
 
 def read(path: str | os.PathLike[str]) -> Archive:
@@ -62,6 +68,7 @@ def read(path: str | os.PathLike[str]) -> Archive:
         has = [tag for tag in ("ModelExchange", "ScheduledExecution") if root.find(tag) is not None]
         raise ExportError(f"{path} has no co-simulation interface, only {' and '.join(has) or 'nothing'}")
     variables, references = declared_variables(description)
+    clocks = declared_clocks(root)
     return Archive(
         path=path,
         folder=folder,
@@ -74,9 +81,13 @@ def read(path: str | os.PathLike[str]) -> Archive:
         platforms=_platforms(folder),
         variables=variables,
         references=references,
-        can=_capabilities(interface, fmi),
+        can=_capabilities(interface, fmi, variables),
         event_mode=_flag(interface, "hasEventMode"),
+        clocks=clocks,
+        intermediate=_intermediate(root) if _flag(interface, "providesIntermediateUpdate") else (),
         memory_functions=not _flag(interface, "canNotUseMemoryManagementFunctions"),
+        once_per_process=_flag(interface, "canBeInstantiatedOnlyOncePerProcess"),
+        needs_tool=_flag(interface, "needsExecutionTool"),
     )
 
 
@@ -84,15 +95,29 @@ def _flag(interface: Any, *names: str) -> bool:
     return any(interface.get(name) in ("true", "1") for name in names)
 
 
-def _capabilities(interface: Any, fmi: int) -> Capabilities:
+def _capabilities(interface: Any, fmi: int, variables: dict[str, Variable]) -> Capabilities:
     """Read from the XML: FMPy 0.3.32 does not know FMI 3.0's name of the directional derivatives."""
+    early = fmi == 3 and _flag(interface, "mightReturnEarlyFromDoStep")
     return Capabilities(
         rollback=_flag(interface, "canGetAndSetFMUState", "canGetAndSetFMUstate"),
         serialize=_flag(interface, "canSerializeFMUState", "canSerializeFMUstate"),
-        early_return=fmi == 3 and _flag(interface, "mightReturnEarlyFromDoStep"),
+        early_return=early,
         directional_derivatives=_flag(interface, "providesDirectionalDerivatives", "providesDirectionalDerivative"),
         variable_step=_flag(interface, "canHandleVariableCommunicationStepSize"),
+        get_after_set=fmi == 3,
+        input_derivatives=2 if _flag(interface, "canInterpolateInputs") else 0,
+        event_mode=_flag(interface, "hasEventMode") and (not early or any(map(is_discrete, variables.values()))),
     )
+
+
+def _intermediate(root: Any) -> tuple[str, ...]:
+    inputs = root.findall("ModelVariables/Float64[@causality='input'][@intermediateUpdate]")
+    return tuple(v.get("name") for v in inputs if _flag(v, "intermediateUpdate"))
+
+
+def is_discrete(variable: Variable) -> bool:
+    """Whether a port changes at events only."""
+    return variable.causality in ("input", "output") and variable.variability != "continuous"
 
 
 def _platforms(folder: Path) -> tuple[str, ...]:

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 from fmpy.validation import validate_fmu
 
-from cosim import CosimError, Variable
+from cosim import CosimError, Instance, Variable
 from cosim.clock import NS
 
 from .importer import read
-from .instance import FmuInstance
 from .loading import load
 
 STEP = NS // 1000  # 1 ms: short enough for anything that has dynamics
@@ -73,7 +72,7 @@ def _validated(path: str | os.PathLike[str]) -> list[str]:
         return []
 
 
-def _run(instance: FmuInstance) -> Iterator[str]:
+def _run(instance: Instance) -> Iterator[str]:
     """Initialise, read everything, take ten steps; where it can, go back after the first five and take five again."""
     instance.enter_initialization()
     instance.push()
@@ -93,7 +92,7 @@ def _run(instance: FmuInstance) -> Iterator[str]:
     instance.forget(snapshot)
 
 
-def _reads(instance: FmuInstance) -> Iterator[str]:
+def _reads(instance: Instance) -> Iterator[str]:
     for name, variable in instance.variables.items():
         if variable.type == "Clock":
             continue
@@ -102,7 +101,7 @@ def _reads(instance: FmuInstance) -> Iterator[str]:
             yield f"{name} is {value} after the initialisation"
 
 
-def _steps(instance: FmuInstance, first: int, last: int) -> np.ndarray:
+def _steps(instance: Instance, first: int, last: int) -> np.ndarray:
     found = []
     for i in range(first, last):
         instance.push()
@@ -112,7 +111,7 @@ def _steps(instance: FmuInstance, first: int, last: int) -> np.ndarray:
     return np.array(found)
 
 
-def _differences(instance: FmuInstance, first: np.ndarray, again: np.ndarray, when: str) -> Iterator[str]:
+def _differences(instance: Instance, first: np.ndarray, again: np.ndarray, when: str) -> Iterator[str]:
     for name, at in instance.y_at.items():
         if not np.array_equal(first[:, at], again[:, at], equal_nan=True):
             yield f"{name} is not the same {when}"

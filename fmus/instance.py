@@ -6,6 +6,7 @@ Moving all Float64 inputs and outputs is one call into the FMU each, with pointe
 from __future__ import annotations
 
 import ctypes
+import math
 import sys
 from abc import abstractmethod
 from collections.abc import Callable
@@ -14,10 +15,12 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from cosim import Instance, StepError, Variable, WiringError
+from cosim import Advance, Instance, StepError, Variable, WiringError
 from cosim.clock import NS
+from cosim.compiled import Native
 
-from .binding import FATAL, WARNING, Library, Log, register, unregister
+from .addresses import native
+from .binding import DISCARD, FATAL, WARNING, Library, Log, register, unregister
 from .declared import References
 from .importer import Archive, library
 from .states import patched, place
@@ -28,7 +31,7 @@ class FmuInstance(Instance):
 
     def __init__(self, archive: Archive, name: str) -> None:
         super().__init__(name or archive.model, archive.variables)
-        self.archive, self.can = archive, archive.can
+        self.archive, self.can, self._u_at_start = archive, archive.can, self.u.copy()
         self.log = Log()
         self.time = 0.0
         self._initialized = self._started = False
@@ -86,7 +89,22 @@ class FmuInstance(Instance):
         if status == FATAL:  # the standard forbids every further call, even to free it, and the library stays
             self._c = self._library = None
             self._end_of_use("failed fatally")
+        if status == DISCARD:
+            cure = "use a shorter macro step"
+            if self.archive.retry:
+                cure = "it does so however short the step is"
+            elif self.can.rollback:
+                cure = "with retry such steps are repeated in shorter ones, as it can be taken back; else " + cure
+            reason = f"{reason}; {cure}"
         raise StepError(self.name, self.time, reason)
+
+    def _discarded(self, what: str, start: int, end: int, reached: float, early_return: bool) -> Advance:
+        """Return where everybody is to be taken after a step that the FMU made only until *reached* (s), or raise."""
+        if self.archive.retry and early_return and end - start > 1:
+            middle = start + (end - start) // 2
+            tick = int(reached * NS + 1e-3) if math.isfinite(reached) else start
+            return Advance(tick if start < tick < end else middle, early=True)
+        self._fail(f"{what} (the step was discarded)", DISCARD)
 
     def _transfer(self, variables: tuple[Variable, ...], values: np.ndarray) -> tuple[Any, ...]:
         references = [r for v in variables for r in self.archive.references[v.name].values]
@@ -157,6 +175,10 @@ class FmuInstance(Instance):
             if status > WARNING:
                 self._fail("getting the outputs", status)
 
+    def native(self) -> Native | None:
+        """Return where the C functions are, for the compiled loop."""
+        return native(self, self._c, self._function, self._push, self._pull, self._fail)
+
     # derivatives
 
     def directional_derivative(self, unknowns: list[str], knowns: list[str], seed: np.ndarray) -> np.ndarray:
@@ -179,6 +201,21 @@ class FmuInstance(Instance):
     def _derive(self, u: Any, n_u: int, k: Any, n_k: int, seed: np.ndarray, result: np.ndarray) -> None: ...
 
     # life
+
+    @property
+    def alive(self) -> bool:
+        """Whether it can still be used: not closed, and no fatal error met."""
+        return self._c is not None
+
+    def reset(self) -> None:
+        """Set the FMU back to what it was when it was instantiated, as far as it keeps to the standard."""
+        if self._initialized:
+            self._call(f"fmi{self.archive.fmi}Terminate")
+            self._initialized = False
+        self._call(f"fmi{self.archive.fmi}Reset")
+        self.u[:], self.y[:], self.time = self._u_at_start, 0.0, 0.0
+        self.log.entries.clear()
+        self.log.warnings.clear()
 
     def close(self) -> None:
         """Terminate and free the instance and unload its library; a second time nothing happens."""

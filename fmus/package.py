@@ -13,8 +13,8 @@ from typing import Any
 import fmpy
 
 from cosim import Component, ExportError
+from cosim.cache import cache_folder
 
-from .cache import cache_folder
 from .codegen import equations_source, model_source
 from .compile import FLAGS, HERE, PLATFORMS, binary_folder, compile_library
 from .describe import build_xml, description_xml

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from cosim import Component, Variable
-from cosim.errors import ScenarioError
+from cosim.errors import ScenarioError, nearest
 from cosim.scenario import LinkSpec, Scenario, Slot, describe_problem
 from plants import rover
 from plants.ground import Ground
@@ -64,23 +65,45 @@ class Assembly:
         return rerouted({**own, **self.connections}, self.scenario.elements(), slots)
 
 
-def assemble(scenario: Scenario) -> Assembly:
-    """Resolve a scenario; raises ScenarioError naming the key for anything that does not exist or does not fit."""
+def assemble(scenario: Scenario, objects: Mapping[str, Component] = MappingProxyType({})) -> Assembly:
+    """Resolve a scenario; raises ScenarioError naming the key for anything that does not exist or does not fit.
+
+    *objects* stand in their slots instead of what the scenario says of these.
+    """
     check_groups(scenario.verdict)
+    _check_objects(scenario, objects)
     if scenario.assembly is None:
-        return _free(scenario)
-    if scenario.assembly != "rover":
+        made = _free(scenario, objects)
+    elif scenario.assembly == "rover":
+        made = _rover(scenario, objects)
+    else:
         raise ScenarioError(f"{scenario.name}: there is no assembly {scenario.assembly!r}; known: rover")
-    return _rover(scenario)
+    told = tuple(
+        f"an object of the class {type(part).__name__} stands in the slot {name}, which a log cannot run again"
+        for name, part in objects.items()
+    )
+    return replace(made, notes=(*made.notes, *told))
 
 
-def _free(scenario: Scenario) -> Assembly:
+def _check_objects(scenario: Scenario, objects: Mapping[str, Component]) -> None:
+    slots = dict.fromkeys([*scenario.components, *(rover.ORDER if scenario.assembly == "rover" else ())])
+    for name, part in objects.items():
+        if name not in slots:
+            raise ScenarioError(f"{scenario.name}: there is no slot {name!r}; {nearest(name, slots)}")
+        if not isinstance(part, Component):
+            raise ScenarioError(f"{scenario.name}: {name} is given {part!r}, and a slot takes an object of a component")
+
+
+def _free(scenario: Scenario, objects: Mapping[str, Component]) -> Assembly:
     if scenario.sections():
         key = next(iter(scenario.sections()))
         raise ScenarioError(f'{scenario.name}: {key} is not known here; did you leave out assembly = "rover"?')
     if not scenario.components:
         raise ScenarioError(f"{scenario.name}: there are no components; add [components.NAME] with a type or an fmu")
-    parts = {name: fill(slot, f"components.{name}", {}) for name, slot in scenario.components.items()}
+    parts = {
+        name: objects[name] if name in objects else fill(slot, f"components.{name}", {})
+        for name, slot in scenario.components.items()
+    }
     return _complete(scenario, parts)
 
 
@@ -94,7 +117,7 @@ def _complete(scenario: Scenario, parts: dict[str, Component | str], **rest: Any
     return Assembly(scenario, everything, dict(scenario.connections), order=order, every=every, **rest)
 
 
-def _rover(scenario: Scenario) -> Assembly:
+def _rover(scenario: Scenario, objects: Mapping[str, Component]) -> Assembly:
     try:
         sections = RoverSections.model_validate(scenario.sections())
     except ValidationError as error:
@@ -103,11 +126,12 @@ def _rover(scenario: Scenario) -> Assembly:
     bot = robot(str(changes.pop("table", "thesis_6_1"))).with_changes(**changes)
     road = _ground(sections.ground)
     slots = {"body": Slot(type="RigidBody"), **scenario.components}
-    if "wheels" not in slots:
+    if "wheels" not in {**slots, **objects}:
         raise ScenarioError(f"{scenario.name}: components.wheels is missing; a rover needs wheels")
-    parts: dict[str, Component | str] = {}
+    parts: dict[str, Component | str] = dict(objects)
     # a design builds on the parts that need none, that of a controller on all others
-    for name in sorted(slots, key=lambda n: (slots[n].type in DESIGNS, n == "controller")):
+    open_slots = [name for name in slots if name not in objects]
+    for name in sorted(open_slots, key=lambda n: (slots[n].type in DESIGNS, n == "controller")):
         slot = slots[name]
         given = {**bot.body_parameters(), **road.tables(bot.R)} if slot.type == "RigidBody" else {}
         context = Context(bot, road, sections.start.x, sections.start.speed, scenario.run.duration, parts)

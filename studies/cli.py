@@ -1,4 +1,4 @@
-"""The command line: ``wmr-cosim list | run | compare | inspect | logs | fmu``."""
+"""The command line: ``wmr-cosim list | run | compare | explain | inspect | logs | fmu``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import typer
 
 from cosim.errors import CosimError, ScenarioError
 
-from . import cli_fmu, cli_inspect, cli_logs, present
+from . import cli_explain, cli_fmu, cli_inspect, cli_logs, present
 from .terminal import complain, note
 
 if TYPE_CHECKING:
@@ -172,6 +172,7 @@ def compare(
     _finish(done.runs if not logs else [])
 
 
+app.command("explain")(cli_explain.explain)
 app.command("inspect")(cli_inspect.inspect)
 app.command("logs")(cli_logs.logs)
 app.add_typer(cli_fmu.app, name="fmu")

@@ -7,15 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from time import perf_counter
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 import fmus
 from cosim import Component, CosimError
-from cosim.algorithms import GaussSeidel, Jacobi
+from cosim.algorithms import Algorithm, GaussSeidel, Jacobi
 from cosim.clock import ticks
+from cosim.consistent import Consistent
 from cosim.instance import Instance
+from cosim.iterated import Iterated
 from cosim.master import run
 from cosim.observer import Observer, Summary
 from cosim.record import Record
@@ -29,7 +32,7 @@ from .metrics import Metric, verdict
 Progress = Callable[[str], None]
 
 
-@dataclass
+@dataclass(repr=False)
 class Result:
     """A finished (or failed) run: its scenario, its signals and the verdict on them."""
 
@@ -50,6 +53,13 @@ class Result:
         """Return a port's values (n, ...), or None if the run has no such port."""
         return self.record.get(name)
 
+    def __repr__(self) -> str:
+        name = f"{self.scenario.name} {self.scenario.variant}".strip()
+        end = float(self.record.time[-1]) if len(self.record) else 0.0
+        failed = f", failed: {self.error}" if self.error is not None else ""
+        steps = max(len(self.record) - 1, 0)
+        return f"<Result of {name}: {steps} steps to {end:g} s, {len(self.metrics)} figures{failed}>"
+
     def _repr_html_(self) -> str:
         from .show import result_html
 
@@ -61,12 +71,17 @@ def instantiate(assembly: Assembly, say: Progress = lambda text: None) -> dict[s
     instances: dict[str, Instance] = {}
     try:
         for name, part in assembly.components.items():
+            slot = assembly.scenario.slot(name)
             if isinstance(part, Component):
                 say(f"FMU {type(part).__name__}")
-                instances[name] = fmus.instantiate(part, name, fmi=assembly.scenario.run.fmi)
+                instances[name] = fmus.instantiate(
+                    part, name, fmi=assembly.scenario.run.fmi, isolated=slot.isolated, time_limit=slot.time_limit
+                )
             else:
                 say(f"FMU {part}")
-                instances[name] = fmus.load(part, name)
+                instances[name] = fmus.load(
+                    part, name, isolated=slot.isolated, time_limit=slot.time_limit, retry=slot.retry
+                )
         rover.apply(assembly.starts, instances)
     except BaseException:
         for instance in instances.values():
@@ -85,12 +100,20 @@ def link(value: str | LinkSpec) -> str | Link:
 def connect(assembly: Assembly, instances: dict[str, Instance]) -> System:
     """Wire the instances as the assembly says."""
     wires = assembly.wiring({name: instance.variables for name, instance in instances.items()})
-    return System(instances, {t: link(s) for t, s in wires.items()}, every=assembly.every)
+    return System(instances, {t: link(s) for t, s in wires.items()}, every=assembly.every,
+                  events=assembly.scenario.run.events)  # fmt: skip
 
 
-def algorithm_of(assembly: Assembly) -> Jacobi | GaussSeidel:
+def algorithm_of(assembly: Assembly) -> Algorithm:
     """Return the strategy object that the scenario names."""
-    return Jacobi() if assembly.scenario.run.algorithm == "jacobi" else GaussSeidel(assembly.order)
+    settings = assembly.scenario.run
+    chosen: dict[str, Algorithm] = {
+        "gauss-seidel": GaussSeidel(assembly.order),
+        "jacobi": Jacobi(),
+        "iterated": Iterated(GaussSeidel(assembly.order)),
+    }
+    algorithm = chosen[settings.algorithm]
+    return Consistent(algorithm, settings.trusted) if settings.solve_loops else algorithm
 
 
 def obstacle_start(assembly: Assembly) -> float | None:
@@ -104,14 +127,17 @@ def execute(
     scenario: Scenario,
     observers: Callable[[Assembly, dict[str, Instance], Record], Sequence[Observer]] = lambda *run: (),
     say: Progress = lambda text: None,
+    *,
+    parts: Mapping[str, Component] = MappingProxyType({}),
 ) -> Result:
     """Run one variant of a scenario to its end, or to its failure: then ``error`` is set and what was computed is kept.
 
-    *observers* makes the observers of this run beside the in-memory record.  Raises CosimError for anything that is
+    *observers* makes the observers of this run beside the record; *parts* are components that stand in the slots they
+    are named by, ``parts={"controller": MyLaw()}``.  Raises CosimError for anything that is
     wrong before the first step.
     """
     clock = perf_counter()
-    assembly = assemble(scenario)
+    assembly = assemble(scenario, parts)
     instances = instantiate(assembly, say)
     seconds = {"building": perf_counter() - clock}
     record, made_of = Record(), provenance(instances)
@@ -119,13 +145,14 @@ def execute(
     summary: Summary | None = None
     failure: CosimError | None = None
     try:
-        clock = perf_counter()
+        watching = [record, *observers(assembly, instances, record)]
+        seconds["preparing"], clock = perf_counter() - clock - seconds["building"], perf_counter()
         summary = run(
             system,
             algorithm_of(assembly),
             step=ticks(scenario.run.step, "run.step"),
             stop=ticks(scenario.run.duration, "run.duration"),
-            observers=[record, *observers(assembly, instances, record)],
+            observers=watching,
             locate_events=scenario.run.locate_events,
             tolerance=scenario.run.tolerance,
         )

@@ -1,22 +1,37 @@
 /* Calling the equations on the values of an instance. */
 
+/* The inputs at t: those set, or a polynomial through them. */
+static const double *inputs_at(Instance *in, double t)
+{
+    const double *u = in->slot + model.u;
+    double since = t - in->since;
+    int i;
+    if (in->ask && in->mode == STEP_MODE)
+        in->ask(in, t);
+    if (!in->n_slopes)
+        return u;
+    for (i = 0; i < model.n_u; i++)
+        in->u_now[i] = u[i] + since * (in->slope[0][i] + since / 2 * in->slope[1][i]);
+    return in->u_now;
+}
+
 static void call(Instance *in, Equation *f, double t, double h, const double *x, const double *more, const double *last, double *result)
 {
-    const double *arg[8];
-    double *res[1];
+    const double *arg[SZ_ARG]; /* generated code keeps its own pointers behind those it is given */
+    double *res[SZ_RES];
     arg[0] = &t;
     arg[1] = &h;
     arg[2] = x;
-    arg[3] = in->slot + model.u;
+    arg[3] = inputs_at(in, t);
     arg[4] = in->slot + model.p;
     arg[5] = in->rows;
-    arg[6] = more;
-    arg[7] = last;
     if (model.where) {
         res[0] = in->keys;
         model.where(arg, res, in->iw, in->work, 0);
         table_rows(in);
     }
+    arg[6] = more; /* not before: where may have used what lies behind its own arguments */
+    arg[7] = last;
     res[0] = result;
     f(arg, res, in->iw, in->work, 0);
 }

@@ -115,6 +115,27 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
     return fmi2OK;
 }
 
+/* Until they are set again, the inputs of every step are polynomials with these derivatives at its start. */
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
+                                       const fmi2Real value[])
+{
+    size_t i;
+    int k;
+    ALLOWED(ANY_MODE);
+    for (i = 0; i < nvr; i++) {
+        if (vr[i] < (unsigned)model.u || vr[i] >= (unsigned)model.x || order[i] < 1 || order[i] > 2)
+            return (fmi2Status)report(in, STATUS_ERROR, "derivatives of order 1 and 2 are taken, of inputs: value reference %u, order %d", vr[i], (int)order[i]);
+        in->slope[order[i] - 1][vr[i] - (unsigned)model.u] = value[i];
+    }
+    in->n_slopes = 0;
+    for (k = 0; k < 2 * model.n_u; k++)
+        if (in->slope[k / model.n_u][k % model.n_u] != 0)
+            in->n_slopes = 2;
+    in->continuing = 0;
+    in->outputs_valid = in->derivatives_valid = 0;
+    return fmi2OK;
+}
+
 static int table_of(Instance *in, fmi2ValueReference reference)
 {
     if (reference >= (unsigned)model.end && reference - (unsigned)model.end < (unsigned)model.n_tables)

@@ -1,4 +1,4 @@
-/* The functions of FMI 2.0 for what these FMUs do not have: other types, model exchange, derivatives of inputs and
+/* The functions of FMI 2.0 for what these FMUs do not have: other types, model exchange, derivatives of
  * outputs, asynchronous steps.  Each is exported, as the standard asks, and says so.
  */
 
@@ -33,7 +33,6 @@ REFUSE(fmi2GetInteger, const fmi2ValueReference vr[], size_t n, fmi2Integer v[])
 REFUSE(fmi2GetBoolean, const fmi2ValueReference vr[], size_t n, fmi2Boolean v[])
 REFUSE(fmi2SetInteger, const fmi2ValueReference vr[], size_t n, const fmi2Integer v[])
 REFUSE(fmi2SetBoolean, const fmi2ValueReference vr[], size_t n, const fmi2Boolean v[])
-REFUSE(fmi2SetRealInputDerivatives, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[], const fmi2Real v[])
 REFUSE(fmi2GetRealOutputDerivatives, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[], fmi2Real v[])
 REFUSE_BARE(fmi2CancelStep)
 DISCARD(fmi2GetStatus, fmi2Status)

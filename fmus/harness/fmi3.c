@@ -7,6 +7,13 @@ static void fmi3_send(Instance *in, Status status, const char *message)
     ((fmi3LogMessageCallback)in->callback.fmi3)(in->environment, (fmi3Status)status, category[status], message);
 }
 
+static void fmi3_ask(Instance *in, double t)
+{
+    fmi3Boolean early = fmi3False;
+    fmi3Float64 early_time = 0;
+    ((fmi3IntermediateUpdateCallback)in->update)(in->environment, t, fmi3True, fmi3False, fmi3False, fmi3False, &early, &early_time);
+}
+
 #define ALLOWED(modes)                                                                                                 \
     Instance *in = instance;                                                                                           \
     if (!in || allowed(in, modes, __func__) != STATUS_OK)                                                              \
@@ -32,7 +39,6 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
 {
     Instance *in = instance_new(instanceName ? instanceName : model.identifier);
     (void)resourcePath, (void)visible, (void)loggingOn, (void)requiredIntermediateVariables;
-    (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
     if (!in)
         return NULL;
     in->environment = instanceEnvironment;
@@ -40,6 +46,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     in->send = logMessage ? fmi3_send : NULL;
     in->early_return = earlyReturnAllowed;
     in->event_mode = eventModeUsed;
+    in->update = (void (*)(void))intermediateUpdate;
+    in->ask = nRequiredIntermediateVariables && intermediateUpdate ? fmi3_ask : NULL;
     if (!instantiationToken || strcmp(instantiationToken, model.token) != 0)
         report(in, STATUS_ERROR, "the instantiation token is %s, but this binary was built for %s",
                instantiationToken ? instantiationToken : "missing", model.token);

@@ -32,6 +32,7 @@ typedef struct {
     int n_p, n_u, n_x, n_y, n_g; /* how many parameters, inputs, states, outputs, event indicators */
     int n_w, n_keys, n_tables;   /* numbers looked up, keys they are looked up by, tables */
     int period;                  /* slot of the sample period, or -1 */
+    int micro;                   /* slot of the longest micro step of a flow, or -1 */
     const double *start;         /* of parameters, inputs and states */
     const double *nominal;       /* of the states */
     const char *const *labels;   /* one per slot */
@@ -72,8 +73,14 @@ struct Instance {
     int *hint;             /* per key: where its row was last found */
     double *k[7], *trial, *dense[5], *probe; /* stages, trial state, dense output: coefficients and a state on it */
     double *indicator, *crossed, *seed, *tangent, *work;
+    double *slope[2], *u_now; /* time derivatives of the inputs since the step began, and the inputs at some time */
     signed char *before, *after;     /* signs of the indicators */
     long long *iw;
+
+    int n_slopes;          /* how many of them are in use */
+    double since;          /* where the step began */
+    void (*ask)(Instance *in, double t); /* has the importer set the inputs to what they are at t; NULL: they are held */
+    void (*update)(void);  /* ... by calling this, in FMI 3.0 */
 
     int early_return, event_mode;
     int continuing;        /* the last step ended early and no input was set since: the next one is its rest */

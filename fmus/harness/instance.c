@@ -26,12 +26,15 @@ static void lay_out(Instance *in)
     in->seed = reserve(&next, model.n_x + model.n_u);
     in->tangent = reserve(&next, model.n_x + model.n_y);
     in->work = reserve(&next, model.n_work);
+    in->slope[0] = reserve(&next, model.n_u);
+    in->slope[1] = reserve(&next, model.n_u);
+    in->u_now = reserve(&next, model.n_u);
 }
 
 /* ... and how much that takes: at least one, so that calloc does not answer NULL. */
 static size_t doubles_needed(void)
 {
-    return (size_t)(model.end + model.n_w + model.n_keys + 16 * model.n_x + 2 * model.n_g + model.n_u + model.n_y + model.n_work + 1);
+    return (size_t)(model.end + model.n_w + model.n_keys + 16 * model.n_x + 2 * model.n_g + 4 * model.n_u + model.n_y + model.n_work + 1);
 }
 
 static Instance *instance_new(const char *name)
@@ -83,6 +86,7 @@ static Status instance_reset(Instance *in)
     in->tolerance = 1e-8;
     in->h_next = 0;
     in->continuing = 0;
+    in->n_slopes = 0;
     in->outputs_valid = in->derivatives_valid = 0;
     in->mode = INSTANTIATED;
     for (i = 0; i < model.n_tables; i++)

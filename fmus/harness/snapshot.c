@@ -3,9 +3,11 @@
 
 typedef struct {
     uint64_t token, tables; /* whose snapshot it is */
-    double h_next, tolerance;
-    int64_t mode, continuing;
+    double h_next, tolerance, since;
+    int64_t mode, continuing, n_slopes;
 } Head;
+
+enum { SLOPES = FMI_VERSION == 2 ? 2 : 0 }; /* derivatives of the inputs that are kept here, and not by the importer */
 
 static uint64_t hash_token(void)
 {
@@ -24,25 +26,32 @@ static size_t n_saved(void)
 
 static size_t snapshot_size(void)
 {
-    return sizeof(Head) + sizeof(double) * n_saved();
+    return sizeof(Head) + sizeof(double) * (SLOPES * (size_t)model.n_u + n_saved());
 }
 
 static void snapshot_write(const Instance *in, unsigned char *bytes)
 {
     Head head;
+    int i;
     head.token = hash_token();
     head.tables = in->tables_hash;
     head.h_next = in->h_next;
     head.tolerance = in->tolerance;
     head.mode = in->mode;
     head.continuing = in->continuing;
+    head.since = in->since;
+    head.n_slopes = in->n_slopes;
     memcpy(bytes, &head, sizeof head);
-    memcpy(bytes + sizeof head, in->slot, sizeof(double) * n_saved());
+    bytes += sizeof head;
+    for (i = 0; i < SLOPES; i++, bytes += sizeof(double) * (size_t)model.n_u)
+        memcpy(bytes, in->slope[i], sizeof(double) * (size_t)model.n_u);
+    memcpy(bytes, in->slot, sizeof(double) * n_saved());
 }
 
 static Status snapshot_read(Instance *in, const unsigned char *bytes)
 {
     Head head;
+    int i;
     memcpy(&head, bytes, sizeof head);
     if (head.token != hash_token())
         return report(in, STATUS_ERROR, "a state was given that another FMU wrote");
@@ -52,7 +61,12 @@ static Status snapshot_read(Instance *in, const unsigned char *bytes)
     in->tolerance = head.tolerance;
     in->mode = (Mode)head.mode;
     in->continuing = (int)head.continuing;
-    memcpy(in->slot, bytes + sizeof head, sizeof(double) * n_saved());
+    in->since = head.since;
+    in->n_slopes = (int)head.n_slopes;
+    bytes += sizeof head;
+    for (i = 0; i < SLOPES; i++, bytes += sizeof(double) * (size_t)model.n_u)
+        memcpy(in->slope[i], bytes, sizeof(double) * (size_t)model.n_u);
+    memcpy(in->slot, bytes, sizeof(double) * n_saved());
     in->outputs_valid = in->derivatives_valid = 0;
     return STATUS_OK;
 }

@@ -12,8 +12,13 @@ static Status advance(Instance *in, double t, double stop, Ending *ending)
     double *x = in->slot + model.x;
     ending->reached = stop;
     if (model.flow) {
-        evaluate(in, model.flow, t, stop - t, x, in->trial);
-        memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
+        double n = model.micro < 0 ? 1 : ceil((stop - t) / in->slot[model.micro] - 1e-6), h, i;
+        n = n > 1 ? n : 1;
+        h = (stop - t) / n;
+        for (i = 0; i < n; i++) {
+            evaluate(in, model.flow, t + i * h, h, x, in->trial);
+            memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
+        }
         return STATUS_OK;
     }
     return model.ode && model.n_x ? integrate(in, t, stop, ending) : STATUS_OK;
@@ -83,10 +88,12 @@ static Status step(Instance *in, double from, double to, Ending *ending)
     in->outputs_valid = in->derivatives_valid = 0;
     if (check_finite(in, in->slot + model.u, model.u, model.n_u, from, "input") != STATUS_OK)
         return STATUS_ERROR;
-    in->slot[0] = from;
+    in->slot[0] = in->since = from;
     if (solve(in, from, to, continuing, ending) != STATUS_OK)
         return STATUS_ERROR;
-    in->continuing = ending->early && ending->reached < to;
     in->slot[0] = ending->reached;
+    if (in->ask)
+        in->ask(in, ending->reached); /* what outputs that an input reaches are computed from */
+    in->continuing = ending->early && ending->reached < to;
     return check_finite(in, in->slot + model.x, model.x, model.n_x, ending->reached, "state");
 }

@@ -19,6 +19,7 @@ from controllers.slip_control import SlipControl
 from controllers.steered import Steered
 from controllers.uncontrolled import Uncontrolled
 from plants.chassis_modal import ChassisModal
+from plants.full_order import FullOrderRover, rolling
 from plants.ground import Ground, Ramp
 from plants.rigid_body import RigidBody
 from plants.rigid_contact import RigidContact
@@ -59,6 +60,9 @@ CLIMBING = {
     "axle_force": [[-50.0, 0.0, 415.0], [-49.0, 0.0, 411.0], [58.0, 0.0, 400.0], [59.0, 0.0, 402.0]],
 }
 MODES = 5
+
+# Rings that stretch easily: the third derivative of their energy, 3 EA / l^2, is what difference quotients miss.
+FULL_ORDER = FullOrderRover(nodes=8, points=16, EA=600.0)
 
 COMPONENTS = [
     Specimen(Mass(k=80.0)),
@@ -114,6 +118,9 @@ COMPONENTS = [
     ),
     Specimen(Actuator(shape=[3], unit="N", lag=0.02, limit=1.0, rate_limit=20.0)),
     Specimen(Uncontrolled(), step=1e-3, around=INTERFACE, spread=0.02),
+    Specimen(
+        FULL_ORDER, step=1e-4, steps=4, around=rolling(FULL_ORDER, 0.0, 0.497, 2.0) | {"elapsed": 1.0}, spread=1e-4
+    ),
     Specimen(WheelDrive(), step=1e-3, around=INTERFACE | {"omega": [20.3, 19.0, 0.0, 24.0]}, spread=0.02),
     Specimen(OpenLoopTorque(demand=30.0), step=1e-3),
     Specimen(SlipControl(demand=80.0), step=1e-3, around=INTERFACE, spread=0.02),

@@ -143,7 +143,7 @@ MISTAKES = [
     ("duration = 1.0", "duration = true", "run.duration must be a number, not True"),
     ("duration = 1.0", "duration = -1", "run.duration: input should be greater than 0, got -1"),
     ("duration = 1.0", "duration = 1.0\nalgorithm = 'gauss'",
-     "run.algorithm: input should be 'gauss-seidel' or 'jacobi', got 'gauss'"),
+     "run.algorithm: input should be 'gauss-seidel', 'jacobi' or 'iterated', got 'gauss'"),
     ("duration = 1.0", "duration = 1.0\nfmi = 4", "run.fmi: input should be 2 or 3, got 4"),
     ("duration = 1.0", "duration = 1.0\norder = 'a'", "run.order: input should be a list, got 'a'"),
     ('title = "A gain"', "", "title is missing"),

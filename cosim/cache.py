@@ -1,4 +1,4 @@
-"""Where FMUs are built and unpacked: beside the source in a checkout, in the user's cache directory otherwise."""
+"""Where FMUs and the compiled loop are built and FMUs unpacked: in a checkout, or in the user's cache directory."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def cache_folder() -> Path:
     """Return the folder: ``WMR_COSIM_CACHE`` if that is set, ``fmus/build`` in a checkout, else the user's cache."""
     if given := os.environ.get("WMR_COSIM_CACHE"):
         return Path(given)
-    here = Path(__file__).parent
-    if (here.parent / "pyproject.toml").exists():
-        return here / "build"
+    checkout = Path(__file__).parents[1]
+    if (checkout / "pyproject.toml").exists():
+        return checkout / "fmus" / "build"
     return platformdirs.user_cache_path("wmr-cosim") / "fmus"
