@@ -1,12 +1,12 @@
 """What does it cost to log every port of the rover at every step: time, bytes and memory?
 
 Time and bytes: 50 000 macro steps of ``ramp-impact`` with the PD controller, logged without and with the scene, against
-the same run without a log; the best of runs in turn, since whatever else the machine does only adds.  *In the loop* is
-the time that the run stands still for the recorder, by the wall clock, and its processor time, which other programs
-disturb less; packing (LZ4) and writing happen in a thread of Rerun beside it, which the processor time of both threads
-shows.  What a run pays once (names of all ports, verdict, reading the log back) is listed by itself.
+the same run without a log; the best of runs in turn, since whatever else the machine does only adds, and the median
+of the differences of neighbours.  *In the loop* is the time that the run stands still for the recorder, by the wall
+clock; sending happens in a thread beside it, packing (LZ4) and writing in one of Rerun, which the processor time of all
+threads shows.  What a run pays once (names of all ports, verdict, reading the log back) is listed by itself.
 
-Memory: the same ports over 10^6 steps, values of the run again and again; resident memory at a tenth and at the end.
+Memory: a run of 10^6 steps with a log and its record; resident memory at a tenth, at the end, and after the verdict.
 
     python benchmarks/recording_cost.py [STEPS OF THE MEMORY RUN]
 """
@@ -19,14 +19,14 @@ import os
 import sys
 import tempfile
 from pathlib import Path
+from statistics import median
 from time import perf_counter, process_time, thread_time
 from typing import Any
 
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from cosim.observer import Observer, Point, RunInfo, Summary
+from cosim.observer import Block, Observer, Point, RunInfo, Summary
 from cosim.scenario import Scenario
 from cosim.system import System
 from logs.ports import Chunk
@@ -40,63 +40,107 @@ STEP, STEPS, REPEATS = 5e-5, 50_000, 5
 LONG = 1_000_000
 
 
-class Timed(RerunRecorder):
-    """A recorder that adds up the time spent in it: in the loop by wall and processor, and what is paid once."""
+class OneByOne(Observer):
+    """Wants every point at once, so that nobody is told of blocks."""
 
-    loop = work = once = 0.0
+    def accepted(self, point: Point) -> None:
+        """Do nothing with it."""
+
+
+class Meter(Observer):
+    """Reads the processor time of the whole process when a run begins and ends."""
+
+    began = ended = 0.0
+
+    def started(self, system: System, info: RunInfo) -> None:
+        self.began = process_time()
+
+    def finished(self, summary: Summary) -> None:
+        self.ended = process_time()
+
+
+class Timed(RerunRecorder):
+    """A recorder that adds up the time spent in it: in the loop, in the sender's thread, and what is paid once."""
+
+    loop = sender = once = began = ended = 0.0
 
     def started(self, system: System, info: RunInfo) -> None:
         began = perf_counter()
         super().started(system, info)
         self.once += perf_counter() - began
+        self.began = process_time()
 
     def accepted(self, point: Point) -> None:
-        began, worked = perf_counter(), thread_time()
+        began = perf_counter()
         super().accepted(point)
-        self.work += thread_time() - worked
+        self.loop += perf_counter() - began
+
+    def accepted_block(self, block: Block) -> None:
+        began = perf_counter()
+        super().accepted_block(block)
         self.loop += perf_counter() - began
 
     def _send(self, chunk: Chunk) -> None:
-        worked = thread_time()  # of the thread that sends, for which the loop waits
+        began = thread_time()
         super()._send(chunk)
-        self.work += thread_time() - worked
+        self.sender += thread_time() - began
 
     def finished(self, summary: Summary) -> None:
         began = perf_counter()
         self.emit()  # the last chunk, and the wait until it is in the file, are part of the loop
-        between = perf_counter()
+        self.loop += perf_counter() - began
+        self.ended, began = process_time(), perf_counter()
         super().finished(summary)
-        self.loop += between - began
-        self.once += perf_counter() - between
+        self.once += perf_counter() - began
 
 
-def scenario() -> Scenario:
+class Memory(Observer):
+    """Takes the resident memory of the process at a tenth of a run of *steps* and at its end, in MB."""
+
+    def __init__(self, steps: int) -> None:
+        self.steps, self.early, self.late = steps, 0.0, 0.0
+
+    def accepted_block(self, block: Block) -> None:
+        """Look once a tenth is passed."""
+        if not self.early and block.first + len(block.rows) >= self.steps / 10:
+            self.early = resident()
+
+    def accepted(self, point: Point) -> None:
+        """Look once a tenth is passed."""
+        if not self.early and point.number >= self.steps / 10:
+            self.early = resident()
+
+    def finished(self, summary: Summary) -> None:
+        self.late = resident()
+
+
+def scenario(steps: int = STEPS) -> Scenario:
     """Return the run: all plants, the PD controller."""
-    return find_scenario("ramp-impact").load("pd-friction", [{"run": {"step": STEP, "duration": STEPS * STEP}}])
+    return find_scenario("ramp-impact").load("pd-friction", [{"run": {"step": STEP, "duration": steps * STEP}}])
 
 
-def measure(log: Path | None, scene: bool) -> dict[str, float]:
+def measure(log: Path | None, scene: bool = False, *, blocks: bool = True) -> dict[str, float]:
     """Run once; return wall and processor seconds of the run, those in the recorder, and the size of the log."""
-    recorders: list[Timed] = []
+    meters: list[Meter | Timed] = []
 
     def observers(assembly: Any, instances: Any, record: Any) -> list[Observer]:
-        if log is None:
-            return []
-        recorder = log_observer(assembly, log, instances, record, Timed)
-        assert isinstance(recorder, Timed)
-        recorder.scene = recorder.scene if scene else None
-        recorders.append(recorder)
-        return list(recorders)
+        meter = log_observer(assembly, log, instances, record, Timed) if log is not None else Meter()
+        assert isinstance(meter, Meter | Timed)
+        if isinstance(meter, Timed) and not scene:
+            meter.scene = None
+        meters.append(meter)
+        return [*meters, *([] if blocks else [OneByOne()])]
 
     gc.collect()
-    began = process_time()
     result = execute(scenario(), observers)
     assert result.error is None, result.error
     assert result.summary is not None
-    found = {"cpu": process_time() - began, "run": result.seconds["running"], "steps": float(result.summary.steps)}
-    if log is not None:
-        found |= {"bytes": float(log.stat().st_size), "loop": recorders[0].loop, "work": recorders[0].work}
-        found["once"] = recorders[0].once
+    meter = meters[0]
+    found = {"cpu": meter.ended - meter.began, "run": result.seconds["running"], "steps": float(result.summary.steps)}
+    if isinstance(meter, Timed):
+        found |= {"loop": meter.loop, "sender": meter.sender, "once": meter.once}
+        found |= {"bytes": float(meter.path.stat().st_size), "preparing": result.seconds["preparing"]}
+        found["run"] -= meter.once
     return found
 
 
@@ -106,50 +150,52 @@ def resident() -> float:
 
 
 def long_run(log: Path, steps: int) -> dict[str, float]:
-    """Log *steps* points of all ports; return memory in MB at a tenth and at the end, and the size of the log."""
-    assembly = assemble(scenario())
-    with connect(assembly, instantiate(assembly)) as system:
-        values = np.random.default_rng(1).standard_normal((1000, len(system.row))).cumsum(axis=0)
-        recorder = RerunRecorder(log, "long")
-        recorder.started(system, RunInfo(100_000, steps * 100_000, 0, "none"))
-        early, began = 0.0, perf_counter()
-        for k in range(steps):
-            wall = perf_counter() - began
-            recorder.accepted(Point(k, (k - 1) * 100_000, k * 100_000, wall, {}, {}, values[k % 1000]))
-            if k == steps // 10:
-                early = resident()
-        late = resident()
-        recorder.finished(Summary(steps, 0, 0, perf_counter() - began, steps * 1e-4))
-        return {"steps": steps, "early": early, "late": late, "closed": resident(), "bytes": log.stat().st_size,
-                "seconds": perf_counter() - began}  # fmt: skip
+    """Run *steps* with log, scene and record; return memory in MB on the way and after the verdict, and the rest."""
+    memory = Memory(steps)
+    began = perf_counter()
+    result = execute(scenario(steps), lambda *of: [memory, log_observer(of[0], log, of[1], of[2])])
+    assert result.error is None, result.error
+    return {
+        "long_run_steps": len(result.record) - 1, "long_run_seconds": perf_counter() - began,
+        "long_run_log_GB": log.stat().st_size / 1e9, "memory_MB_at_a_tenth": memory.early,
+        "memory_MB_at_the_end": memory.late, "memory_MB_after_the_verdict": resident(),
+    }  # fmt: skip
+
+
+def best(cases: list[dict[str, float]]) -> dict[str, float]:
+    """Return the least of every figure."""
+    return {key: min(case[key] for case in cases) for key in cases[0]}
 
 
 def main() -> None:
     """Measure and print."""
-    measure(None, False)  # builds and loads the FMUs
+    measure(None)  # builds and loads the FMUs
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.rrd"
-        rounds = [[measure(None, False), measure(path, False), measure(path, True)] for _ in range(REPEATS)]
+        rounds = [
+            [measure(None), measure(path), measure(path, True), measure(path, blocks=False)] for _ in range(REPEATS)
+        ]
         long = long_run(path, int(sys.argv[1]) if len(sys.argv) > 1 else LONG)
-    bare, log, drawn = ({key: min(m[key] for m in case) for key in case[0]} for case in zip(*rounds, strict=True))
+    bare, log, drawn, single = (best(list(case)) for case in zip(*rounds, strict=True))
+    longer, longer_drawn = (median(r[k]["run"] - r[0]["run"] for r in rounds) for k in (1, 2))
     values, ports = counts()
     n = log["steps"]
     found = {
         "ports": ports, "values_per_step": values, "steps": n,
-        "us_per_step_in_the_loop_processor": log["work"] / n * 1e6,
         "us_per_step_in_the_loop": log["loop"] / n * 1e6,
         "us_per_step_in_the_loop_with_scene": drawn["loop"] / n * 1e6,
-        "us_per_step_longer_run": (log["run"] - bare["run"] - log["once"]) / n * 1e6,
-        "us_per_step_longer_run_with_scene": (drawn["run"] - bare["run"] - drawn["once"]) / n * 1e6,
-        "us_per_step_processor_both_threads": (log["cpu"] - bare["cpu"] - log["once"]) / n * 1e6,
-        "ms_once_per_run": log["once"] * 1e3,
+        "us_per_step_in_the_loop_point_by_point": single["loop"] / n * 1e6,
+        "us_per_step_longer_run": longer / n * 1e6,
+        "us_per_step_longer_run_with_scene": longer_drawn / n * 1e6,
+        "us_per_step_processor_all_threads": (log["cpu"] - bare["cpu"]) / n * 1e6,
+        "us_per_step_processor_sender": log["sender"] / n * 1e6,
         "us_per_step_run_without_log": bare["run"] / n * 1e6,
+        "logged_steps_per_second": n / log["run"],
+        "ms_once_before_the_run": log["preparing"] * 1e3, "ms_once_in_the_run": log["once"] * 1e3,
         "bytes_per_step": log["bytes"] / n,
         "bytes_per_value_with_time_stamps": log["bytes"] / n / values,
         "bytes_per_value_beyond_time_stamps": (log["bytes"] / n - 16 * ports) / values,
-        "long_run_steps": long["steps"], "long_run_us_per_step": long["seconds"] / long["steps"] * 1e6,
-        "memory_MB_at_a_tenth": long["early"], "memory_MB_at_the_end": long["late"],
-        "memory_MB_after_reading_back": long["closed"], "long_run_GB": long["bytes"] / 1e9,
+        **long,
     }  # fmt: skip
     shown = Table("", "", title="every port of the rover at every step")
     for key, value in found.items():

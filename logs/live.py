@@ -21,7 +21,7 @@ from urllib.parse import quote
 import rerun_cli
 
 from cosim.errors import ScenarioError
-from cosim.observer import Observer, Point, RunInfo
+from cosim.observer import Block, Observer, Point, RunInfo
 from cosim.system import System
 
 from .recorder import RerunRecorder
@@ -128,9 +128,18 @@ class LiveRecorder(RerunRecorder):
         if self.gone:
             return
         super().accepted(point)
-        if point.wall - self._flushed >= PROMPT:
+        self._prompt(point.wall)
+
+    def accepted_block(self, block: Block) -> None:
+        if self.gone:
+            return
+        super().accepted_block(block)
+        self._prompt(float(block.walls[-1]))
+
+    def _prompt(self, wall: float) -> None:
+        if wall - self._flushed >= PROMPT:
             self.emit(wait=False)
-            self._flushed = point.wall
+            self._flushed = wall
 
     def _open(self) -> None:
         place, _, port = self.url.partition("//")[2].partition("/")[0].rpartition(":")
@@ -163,7 +172,15 @@ class Pacer(Observer):
     def accepted(self, point: Point) -> None:
         if point.number == 0:
             self._clock = time.monotonic()  # building up takes a while
-        due = self._clock + (point.end - self._begin) * 1e-9 / self.speed
+        self._wait(point.end)
+
+    def accepted_block(self, block: Block) -> None:
+        if block.first == 0:
+            self._clock = time.monotonic()
+        self._wait(int(block.ends[-1]))
+
+    def _wait(self, end: int) -> None:
+        due = self._clock + (end - self._begin) * 1e-9 / self.speed
         ahead = due - time.monotonic()
         if ahead > REST:
             time.sleep(ahead)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,7 @@ import pyarrow as pa
 import rerun as rr
 
 from cosim.instance import Instance
-from cosim.observer import Point
+from cosim.observer import Block, Point
 from cosim.system import System
 from cosim.variable import FLOAT, Variable
 
@@ -25,7 +26,10 @@ from .style import WHEEL_COLOURS, WHEELS, Colour, colour
 EXACT = "value_"  # begins the component that holds the values of a port that is not Float64
 _TEXT = ("String", "Binary")
 _SCALARS = next(iter(rr.Scalars.columns(scalars=[0.0]))).component_descriptor()
-_TYPES = {"Float32": np.float32, "Boolean": np.bool_, "Enumeration": np.int64, "String": str, "Binary": bytes}
+_TYPES = {
+    "Float32": np.float32, "Boolean": np.bool_, "Clock": np.bool_, "Enumeration": np.int64, "String": str,
+    "Binary": bytes,
+}  # fmt: skip
 
 
 def chosen(
@@ -37,7 +41,7 @@ def chosen(
         port: v
         for name, instance in instances.items()
         for v in instance.variables.values()
-        if v.causality == causality and v.type != "Clock" and v.size
+        if v.causality == causality and v.size
         if (port := f"{name}.{v.name}") and (not patterns or any(fnmatch.fnmatch(port, p) for p in patterns))
     }
 
@@ -109,9 +113,6 @@ class Chunk:
     def __init__(self, system: System, patterns: tuple[str, ...], rows: int) -> None:
         self.n, self.rows = 0, rows
         self._system = system
-        self._row = np.empty((rows, len(system.row)))
-        self._start, self._ns, self._step = (np.empty(rows, np.int64) for _ in range(3))
-        self._wall, self._before = np.empty(rows), 0.0  # s
         self._ports: dict[str, _Port] = {}
         self._others: dict[str, list[Any]] = {}
         self.logged: list[_Port] = []
@@ -126,6 +127,31 @@ class Chunk:
                         self.logged.append(held)
                         if v.type != FLOAT:
                             self._others[port] = []
+        # of each port a row is one item, which is faster than number by number
+        self._whole = {p.name: np.empty(rows, f"V{8 * p.variable.size}") for p in self.logged if p.at is not None}
+        self._allocate()
+
+    def _allocate(self) -> None:
+        self._row = np.empty((self.rows, len(self._system.row)))
+        self._start, self._ns, self._step = (np.empty(self.rows, np.int64) for _ in range(3))
+        self._wall, self._before = np.empty(self.rows), 0.0  # s
+
+    def another(self) -> Chunk:
+        """Return an empty chunk to be filled while this one is sent; both send from the same memory."""
+        other = copy(self)
+        other.n, other._others = 0, {port: [] for port in self._others}
+        other._allocate()
+        return other
+
+    @property
+    def numeric(self) -> bool:
+        """Whether all that is logged lies in the row of the system."""
+        return not self._others
+
+    @property
+    def full(self) -> bool:
+        """Whether it takes no more."""
+        return self.n == self.rows
 
     def append(self, point: Point) -> None:
         """Copy what everybody shows at *point*."""
@@ -135,6 +161,16 @@ class Chunk:
         for port, values in self._others.items():
             values.append(self._system[port])
         self.n = n + 1
+
+    def extend(self, block: Block, first: int) -> int:
+        """Copy the points of a numeric *block* from *first* on, as many as there is room for; return how many."""
+        n = min(len(block.rows) - first, self.rows - self.n)
+        mine, its = slice(self.n, self.n + n), slice(first, first + n)
+        self._row[mine] = block.rows[its]
+        self._start[mine], self._ns[mine], self._wall[mine] = block.starts[its], block.ends[its], block.walls[its]
+        self._step[mine] = np.arange(block.first + first, block.first + first + n)
+        self.n += n
+        return n
 
     @property
     def ns(self) -> np.ndarray:
@@ -159,12 +195,12 @@ class Chunk:
         return self._row[: self.n, held.at].reshape(self.n, *held.variable.shape)
 
     def send(self, send: Callable[[str, Any], None]) -> None:
-        """Hand the columns of every logged port to *send*, by entity."""
+        """Hand the columns of every logged port to *send*, by entity; they are overwritten by the next chunk sent."""
         for held in self.logged:
             if held.at is not None:
-                width = held.variable.size
-                whole = self._row[: self.n, held.at].view(f"V{8 * width}").copy()  # faster than number by number
-                send(held.entity, _series(whole.view(np.float64).ravel(), width))
+                whole = self._whole[held.name][: self.n]
+                whole[:] = self._row[: self.n, held.at].view(whole.dtype)[:, 0]
+                send(held.entity, _series(whole.view(np.float64), held.variable.size))
                 continue
             rows = [np.ravel(np.asarray(v, dtype=object)) for v in self._others[held.name]]
             flat = [_typed(v, held.variable.type) for row in rows for v in row]
@@ -173,9 +209,12 @@ class Chunk:
             if held.variable.type not in _TEXT:
                 send(held.entity, rr.Scalars.columns(scalars=[float(v) for v in flat]).partition(lengths))
 
+    def follow(self, before: Chunk) -> None:
+        """Go on where a chunk ends: the first step's wall time counts from its last."""
+        self._before = before._wall[before.n - 1]
+
     def clear(self) -> None:
         """Forget the rows, keep the memory."""
-        self._before = self._wall[self.n - 1]
         self.n = 0
         for values in self._others.values():
             values.clear()

@@ -5,8 +5,9 @@ health, ``/events``, ``/log/master`` text, ``/world/...`` the scene, ``/report``
 ``sim_time`` (ns) and ``step``.
 
 The file is called ``NAME.<8 hex digits>.rrd.part`` until it is complete and was read back, so that two runs into one
-folder never share a file.  A chunk goes to the file when it is full, and once a second; a thread of Rerun packs and
-writes it while the run goes on, one chunk at most is under way.  So a killed run keeps every chunk written, one that
+folder never share a file.  A chunk goes to the file when it is full, and once a second; a thread sends it and one of
+Rerun packs and writes it while the run fills another, one chunk at most is under way.  So a killed run keeps every
+chunk written, one that
 fails keeps everything up to the failure and is marked, one that never began leaves no file.
 """
 
@@ -15,7 +16,6 @@ from __future__ import annotations
 import secrets
 import warnings
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -25,10 +25,11 @@ import rerun as rr
 from rerun.chunk import RrdReader
 
 from cosim.errors import ScenarioError
-from cosim.observer import Observer, Point, RunInfo, Summary
+from cosim.observer import Block, Observer, Point, RunInfo, Summary
 from cosim.system import System
 
 from .ports import Chunk, describe, index, scalars, style
+from .sender import Sender
 
 APPLICATION = "wmr_cosim"
 FLUSH_AFTER = 1.0  # s of wall clock
@@ -68,13 +69,11 @@ class RerunRecorder(Observer):
         self.name, self.properties, self.blueprint = name, properties or {}, blueprint
         rr.set_strict_mode(True)  # wrong data is an error, and not left out with a warning
         self.recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
-        self._chunk: Chunk | None = None
         self._named: set[str] = set()  # the series of the master that have their names
         self._points, self._last_sent = 0, ""
         self._flushed = 0.0  # s of wall clock
         self._broken = False  # the file takes no more
-        self._sender = ThreadPoolExecutor(1)
-        self._sender.submit(int).result()  # starts its thread: an interrupt while it starts would start a second one
+        self._sender = Sender(self._send)
         self._last: int | None = None  # ns, of the last accepted point
         self.file: Path | None = None  # where the log is now; a run that never began leaves none
 
@@ -88,22 +87,34 @@ class RerunRecorder(Observer):
 
     def started(self, system: System, info: RunInfo) -> None:
         self._open()
-        self._chunk = Chunk(system, self.signals, self.rows)
-        for held in self._chunk.logged:
+        chunk = Chunk(system, self.signals, self.rows)
+        self._sender.begin(chunk)
+        for held in chunk.logged:
             describe(self.recording, held.entity, held.variable, held.name)
         self._say(info.start_ns, f"started: {info.algorithm}, step {info.step_ns} ns", "INFO")
         if self.scene is not None:
             self.scene.started(self.recording, system)
 
     def accepted(self, point: Point) -> None:
-        chunk = self._chunk
+        chunk = self._sender.chunk
         assert chunk is not None
         chunk.append(point)
         self._last = point.end
-        slow = point.wall - self._flushed >= FLUSH_AFTER
-        if slow or chunk.n == chunk.rows:
-            self.emit(wait=slow)
-            self._flushed = point.wall
+        if chunk.full or point.wall - self._flushed >= FLUSH_AFTER:
+            self._emit_at(point.wall)
+
+    def accepted_block(self, block: Block) -> None:
+        done = 0
+        while done < len(block.rows):
+            chunk = self._sender.chunk
+            assert chunk is not None
+            if not chunk.numeric:
+                super().accepted_block(block)
+                return
+            done += chunk.extend(block, done)
+            self._last, wall = int(block.ends[done - 1]), float(block.walls[done - 1])
+            if chunk.full or wall - self._flushed >= FLUSH_AFTER:
+                self._emit_at(wall)
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
         self._say(start, f"step to {end} ns taken back: {component} returned early at {reached} ns", "DEBUG")
@@ -123,7 +134,7 @@ class RerunRecorder(Observer):
             self._discard()
             return
         if self._broken:
-            self._sender.shutdown()
+            self._sender.close()
             self.recording.disconnect()
             return
         interrupted = isinstance(error, (KeyboardInterrupt, SystemExit))
@@ -131,29 +142,34 @@ class RerunRecorder(Observer):
         self._say(self._last, said, "ERROR")
         self._close({"status": "interrupted" if interrupted else "failed", "error": said})
 
+    def _emit_at(self, wall: float) -> None:
+        self.emit(wait=wall - self._flushed >= FLUSH_AFTER)
+        self._flushed = wall
+
     def emit(self, *, wait: bool = True) -> None:
         """Send what is buffered to the file, and *wait* until it is there; raises ScenarioError if it takes no more."""
-        if self._chunk is None or not self._chunk.n:
+        if self._sender.chunk is None or not self._sender.chunk.n:
             return
-        self._flush()  # the chunk before is in the file by now, or never will be
-        self._sender.submit(self._send, self._chunk).result()
+        self._settle()  # the chunk before is in the file by now, or never will be
+        self._sender.turn()
         if wait:
-            self._flush()
+            self._settle()
+
+    def _settle(self) -> None:
+        self._sender.drain()
+        self._flush()
 
     def _send(self, chunk: Chunk) -> None:
-        """Send a chunk; in a thread of its own, where no interrupt can come in between and have rows sent twice."""
-        if not chunk.n:
-            return
+        """Send a chunk, in the sender's thread."""
         at = index(chunk.ns, chunk.step)
         chunk.send(lambda path, columns: self.recording.send_columns(path, at, columns))
         for label, values in {**chunk.durations(), **(self.health(chunk.read) if self.health else {})}.items():
             self._name_health(label)
             self._last_sent = _health_entity(label)
             self.recording.send_columns(self._last_sent, at, scalars(values[:, None]))
+        self._points += chunk.n
         if self.scene is not None:
             self.scene.emit(self.recording, chunk.ns, chunk.step, chunk.read)
-        self._points += chunk.n
-        chunk.clear()
 
     def _open(self) -> None:
         try:
@@ -206,6 +222,7 @@ class RerunRecorder(Observer):
     def _close(self, outcome: dict[str, Any]) -> None:
         try:
             self.emit(wait=False)
+            self._sender.drain()
             if self.scene is not None:
                 self.scene.finished(self.recording)
             self.set_property("outcome", outcome)
@@ -216,7 +233,7 @@ class RerunRecorder(Observer):
                 self.recording.log("report", rr.TextDocument(report, media_type="text/markdown"), static=True)
             self._flush()
         finally:
-            self._sender.shutdown()
+            self._sender.close()
             self.recording.disconnect()
         self._finish()
 
@@ -226,7 +243,7 @@ class RerunRecorder(Observer):
         self.file = self.path
 
     def _discard(self) -> None:
-        self._sender.shutdown()
+        self._sender.close()
         self.recording.disconnect()
         self.part.unlink(missing_ok=True)
         self.file = None

@@ -38,8 +38,8 @@ class LoggedRecord(Record):
         super().__init__()
         self._found = found
         longest = max(found.values(), key=lambda s: len(s.ns)).ns if found else np.empty(0, np.int64)
-        starts = [*longest[:1].tolist(), *longest[:-1].tolist()]
-        self.points = list(zip(starts, longest.tolist(), strict=True))
+        self._starts.extend([*longest[:1].tolist(), *longest[:-1].tolist()])
+        self._ends.extend(longest.tolist())
 
     def __contains__(self, port: object) -> bool:
         return port in self._found and len(self._found[str(port)].ns) == len(self)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
@@ -14,7 +14,7 @@ from typing import Any
 
 from cosim.errors import ScenarioError
 from cosim.instance import Instance
-from cosim.observer import Observer, Point, RunInfo, Summary
+from cosim.observer import Block, Observer, Point, RunInfo, Summary
 from cosim.record import Record
 from cosim.scenario import Scenario
 from logs.blueprint import run_blueprint
@@ -37,12 +37,15 @@ from .terminal import SILENT, Bar, progress
 Observers = Callable[[Assembly, dict[str, Instance], Record], list[Observer]]
 
 
-@dataclass
+@dataclass(repr=False)
 class Done:
     """One run and its log."""
 
     result: Result
     log: Path | None
+
+    def __repr__(self) -> str:
+        return f"{self.result!r}"[:-1] + (f", log {self.log}>" if self.log else ", no log>")
 
     def _repr_html_(self) -> str:
         from .show import result_html
@@ -50,7 +53,7 @@ class Done:
         return result_html(self.result, self.log)
 
 
-@dataclass
+@dataclass(repr=False)
 class Comparison:
     """All variants of a scenario, side by side."""
 
@@ -59,6 +62,10 @@ class Comparison:
     picture: Path | None
     report: Path | None = None
     notes: tuple[str, ...] = ()  # what is worth knowing before the numbers are read
+
+    def __repr__(self) -> str:
+        names = ", ".join(r.result.scenario.variant or r.result.scenario.name for r in self.runs)
+        return f"<Comparison of {names}" + (f", logs {self.combined}>" if self.combined else ">")
 
     def _repr_html_(self) -> str:
         from .show import comparison_html
@@ -101,7 +108,7 @@ def run_one(
 def compare(
     name: str,
     variants: tuple[str, ...] | None,
-    changes: list[str],
+    changes: Sequence[str | Mapping[str, Any]],
     out: Path | None,
     *,
     log: bool = True,
@@ -111,8 +118,8 @@ def compare(
 ) -> Comparison:
     """Run several variants of a scenario (all, if none are named), combine their logs and draw the picture.
 
-    *report* is where the HTML report goes, if there is to be one; *baseline* is what the others are compared to, the
-    first if it is not named.
+    *changes* are ``--set`` texts, or tables of the scenario file; *report* is where the HTML report goes, if there is
+    to be one; *baseline* is what the others are compared to, the first if it is not named.
     """
     file = find_scenario(name)
     names = tuple(dict.fromkeys(variants or file.variants))
@@ -173,6 +180,9 @@ class _Watcher(Observer):
     def accepted(self, point: Point) -> None:
         if point.number % 256 == 0:
             self.bar(self.label, (point.end - self.start) / self.span)
+
+    def accepted_block(self, block: Block) -> None:
+        self.bar(self.label, (int(block.ends[-1]) - self.start) / self.span)
 
     def finished(self, summary: Summary) -> None:
         self.bar(self.label, 1.0)

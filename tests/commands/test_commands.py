@@ -15,7 +15,7 @@ from rich.console import Console
 from logs import live
 from studies import session, terminal
 
-COMMANDS = ("list", "run", "compare", "inspect", "logs", "fmu build", "fmu check", "fmu info")
+COMMANDS = ("list", "run", "compare", "explain", "inspect", "logs", "fmu build", "fmu check", "fmu info")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -31,7 +31,7 @@ def test_help_of_the_whole(wmr: Command) -> None:
     said = wmr("--help")
     assert said.code == 0
     assert "Start here: wmr-cosim compare" in said.out
-    for command in ("list", "run", "compare", "inspect", "logs", "fmu"):
+    for command in ("list", "run", "compare", "explain", "inspect", "logs", "fmu"):
         assert f" {command} " in said.out
 
 

@@ -5,6 +5,7 @@ import pytest
 from toys import Scripted, port
 
 from cosim import Advance, Jacobi, Observer, Point, Record, System, WiringError, run
+from cosim.errors import ScenarioError
 
 
 def numbered(n: int) -> tuple[System, Scripted]:
@@ -94,3 +95,29 @@ def test_start_values_move_into_the_row() -> None:
     part.u[:] = [5, 7]
     assert system.row.tolist() == [5, 7, 0]
     assert before.tolist() == [2, 3]
+
+
+def test_a_long_record_moves_to_a_file_and_is_whole() -> None:
+    """With room for one chunk of 4096 rows in memory, two and a half chunks lie in a temporary file, to the bit."""
+    n, small = 14_000, 8 * 7 * 4096
+    long, kept = Record(limit=small), Record()
+    run(numbered(n)[0], Jacobi(), step=1000, stop=n * 1000, observers=[long, kept])
+    assert long._rows._stored == 3
+    assert kept._rows._stored == 0
+    assert long.ports() == kept.ports()
+    for name in long.ports():
+        assert long[name].tobytes() == kept[name].tobytes()
+    assert long.to_xarray().equals(kept.to_xarray())
+
+
+def test_a_record_that_finds_no_room_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Full:
+        def write(self, data: memoryview) -> int:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", lambda **how: Full())
+    record = Record(limit=1)
+    with pytest.raises(ScenarioError, match=r"the record of the run fits neither into .* \(No space left on device\)"):
+        run(numbered(5000)[0], Jacobi(), step=1000, stop=5000 * 1000, observers=[record])
+    assert len(record) == 4096  # and what it has is whole
+    np.testing.assert_array_equal(record["a.k"], 5 * np.arange(4096))
