@@ -12,12 +12,12 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 from itertools import pairwise
 from math import pi
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import platformdirs
@@ -26,7 +26,8 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from skfem import Basis, BilinearForm, ElementHexS2, ElementVector, MeshHex, asm
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
-from .chassis_modal import ChassisModal
+from cosim.errors import ScenarioError
+
 from .chassis_modes import ModalData, load_modal_data
 
 _SHIFT = (2 * pi * 10.0) ** 2  # below zero by it: K is singular, its six rigid modes lie at zero
@@ -43,24 +44,53 @@ class PlateChassis:
     E: float = 72e9  # Table 8.1, aluminium
     nu: float = 0.33  # Table 8.1
     plate_mass: float = 170.0  # fitted: 26 kg of aluminium and equipment spread on it
-    box_mass: float = 100.0  # nine boxes together; 270 kg in all, Table 8.1
+    box_mass: float = 100.0  # nine boxes together; 270 kg in all, Table 8.1; 0 leaves the boxes away
     box_size: tuple[float, float, float] = (0.163, 0.062, 0.124)  # fitted
     box_pitch: tuple[float, float] = (0.379, 0.237)  # fitted, 3 x 3
     box_E: float = 2.65e9  # fitted
     damping: float = 5e-5  # zeta = eta / 2, Table 8.1
     refinement: int = 1  # bricks per length, as a multiple of the coarsest sensible mesh
 
+    def __post_init__(self) -> None:
+        for name in (f.name for f in fields(self)):
+            _check(name, getattr(self, name))
+        if self.box_mass > 0:
+            self._check_boxes()
+
+    def _check_boxes(self) -> None:
+        """Raise ScenarioError unless three boxes in a row fit on the plate, along and across."""
+        for axis, (name, whole) in enumerate((("length", self.length), ("width", self.width))):
+            size, pitch = self.box_size[axis], self.box_pitch[axis]
+            if size > pitch:
+                raise ScenarioError(f"boxes of {size:g} m overlap at a box_pitch of {pitch:g} m along the {name}")
+            if 2 * pitch + size > whole * (1 + 1e-9):
+                raise ScenarioError(
+                    f"three boxes of {size:g} m at a box_pitch of {pitch:g} m need {2 * pitch + size:g} m, but the "
+                    f"{name} of the plate is {whole:g} m; shrink box_size or box_pitch, or set box_mass = 0 for none"
+                )
+
+    @property
+    def mass(self) -> float:
+        """The total mass, kg."""
+        return self.plate_mass + self.box_mass
+
     def mesh(self) -> tuple[MeshHex, np.ndarray]:
         """Return the bricks, and which of them belong to boxes; station and wheel positions are vertices."""
         fine = self.refinement
-        x = _lines(self.length / 2, self.box_pitch[0], self.box_size[0], (0.25 * self.length,), 0.07 / fine)
-        y = _lines(self.width / 2, self.box_pitch[1], self.box_size[1], (self.width / 6,), 0.04 / fine)
-        z = np.concatenate([[0.0], self.thickness + np.linspace(0, self.box_size[2], 2 * fine + 1)])
+        x = _lines(self.length / 2, self._edges(0), (0.0, 0.25 * self.length), 0.07 / fine)
+        y = _lines(self.width / 2, self._edges(1), (self.width / 6,), 0.04 / fine)
+        boxes = np.linspace(0, self.box_size[2], 2 * fine + 1) if self.box_mass > 0 else np.zeros(1)
+        z = np.concatenate([[0.0], self.thickness + boxes])
         whole = MeshHex.init_tensor(x, y, z)
         cx, cy, cz = whole.p[:, whole.t].mean(axis=1)
         box = (cz > self.thickness) & self._in_a_box(cx, 0) & self._in_a_box(cy, 1)
         keep = np.flatnonzero((cz < self.thickness) | box)
         return whole.restrict(keep), box[keep]
+
+    def _edges(self, axis: int) -> tuple[float, ...]:
+        """Return the distances from the middle at which boxes begin and end; none without boxes."""
+        size, pitch = self.box_size[axis], self.box_pitch[axis]
+        return (size / 2, pitch - size / 2, pitch + size / 2) if self.box_mass > 0 else ()
 
     def _in_a_box(self, c: np.ndarray, axis: int) -> np.ndarray:
         distances = [np.abs(c - i * self.box_pitch[axis]) for i in (-1, 0, 1)]
@@ -87,14 +117,7 @@ class PlateChassis:
 
         Rigid modes included; shapes are mass-normalised.
         """
-        mesh, box = self.mesh()
-        # 2 x 2 x 2 points: the reduced integration that keeps quadratic bricks from locking in thin plates
-        basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=3)
-        per_element = lambda plate, boxes: np.expand_dims(np.where(box, boxes, plate), 1)  # noqa: E731
-        volume = self.length * self.width * self.thickness
-        density = per_element(self.plate_mass / volume, self.box_mass / 9 / np.prod(self.box_size))
-        K = asm(_stiffness, basis, E=per_element(self.E, self.box_E), nu=self.nu)
-        M = asm(_mass, basis, rho=density)
+        K, M, vertical, at = self.matrices()
         factors = splu(
             csc_matrix(K + _SHIFT * M),
             permc_spec="MMD_AT_PLUS_A",
@@ -108,11 +131,26 @@ class PlateChassis:
         values, vectors = values[order], vectors[:, order]
         vectors /= np.sqrt(np.einsum("ij,ij->j", vectors, M @ vectors))
         frequency = np.sign(values) * np.sqrt(np.abs(values)) / (2 * pi)
+        return frequency, vectors[vertical], at
+
+    def matrices(self) -> tuple[Any, Any, np.ndarray, Callable[[float, float], int]]:
+        """Return stiffness (N/m) and mass (kg), sparse (dofs, dofs), the vertical dofs (vertices,), a vertex finder.
+
+        The finder gives the vertex of the lower face next to a position x, y in m.
+        """
+        mesh, box = self.mesh()
+        # 2 x 2 x 2 points: the reduced integration that keeps quadratic bricks from locking in thin plates
+        basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=3)
+        per_element = lambda plate, boxes: np.expand_dims(np.where(box, boxes, plate), 1)  # noqa: E731
+        volume = self.length * self.width * self.thickness
+        density = per_element(self.plate_mass / volume, self.box_mass / 9 / np.prod(self.box_size))
+        K = asm(_stiffness, basis, E=per_element(self.E, self.box_E), nu=self.nu)
+        M = asm(_mass, basis, rho=density)
 
         def at(px: float, py: float) -> int:
             return int(np.argmin(np.sum((mesh.p - np.array([[px], [py], [0.0]])) ** 2, axis=0)))
 
-        return frequency, vectors[basis.nodal_dofs[2]], at
+        return K, M, basis.nodal_dofs[2], at
 
     def cached_modes(self, count: int = 25) -> ModalData:
         """Return `modes`, kept in the user's cache directory under a hash of all dimensions."""
@@ -132,9 +170,9 @@ class PlateChassis:
         return found
 
 
-def _lines(half: float, pitch: float, size: float, extra: tuple[float, ...], step: float) -> np.ndarray:
-    """Return grid lines from -half to half that hold the edges of three boxes and the extra positions."""
-    edges = {half, *extra, size / 2, pitch - size / 2, pitch + size / 2}
+def _lines(half: float, boxes: tuple[float, ...], extra: tuple[float, ...], step: float) -> np.ndarray:
+    """Return grid lines from -half to half that hold the edges of the boxes and the extra positions, both ways."""
+    edges = {half, *extra, *boxes}
     fixed = np.array(sorted({-e for e in edges} | edges))
     parts = [np.linspace(a, b, max(1, round((b - a) / step)) + 1)[:-1] for a, b in pairwise(fixed)]
     return np.append(np.concatenate(parts), half)
@@ -152,8 +190,27 @@ def _mass(u: Any, v: Any, w: Any) -> Any:
     return w.rho * dot(u, v)
 
 
-def chassis(modal_data: str | None = None, modes: int = 25, damping: float | None = None) -> ChassisModal:
-    """Return a chassis: from a file of modal data, or else the default plate; *damping* replaces every ratio."""
-    data = load_modal_data(Path(modal_data)) if modal_data is not None else PlateChassis().cached_modes(max(modes, 25))
-    found = data.component(modes if modal_data is None else min(modes, len(data.frequency)))
-    return found if damping is None else cast(ChassisModal, found.replace(damping=damping))
+def _check(name: str, value: Any) -> None:
+    """Raise ScenarioError unless a dimension is a positive number, or as many of them as it should be."""
+    default = PlateChassis.__dataclass_fields__[name].default
+    if isinstance(default, tuple):
+        values = value if isinstance(value, (tuple, list)) else ()
+        if len(values) != len(default) or not all(_is_number(v) and v > 0 for v in values):
+            raise ScenarioError(f"{name} of the chassis must be {len(default)} positive lengths in m, not {value!r}")
+        return
+    if not _is_number(value):
+        raise ScenarioError(f"{name} of the chassis must be a number, not {value!r}")
+    if name == "nu" and not -1 < value < 0.5:
+        raise ScenarioError(f"nu of the chassis is {value!r}; Poisson's ratio lies between -1 and 0.5")
+    if name == "damping" and not 0 <= value < 1:
+        raise ScenarioError(f"damping of the chassis is {value!r}; it is a ratio from 0 to below 1")
+    if name == "refinement" and (value != int(value) or not 1 <= value <= 4):
+        raise ScenarioError(f"refinement of the chassis is {value!r}; it is 1, 2, 3 or 4 (some 30 s and 1 GB)")
+    if name == "box_mass" and value == 0:
+        return
+    if name != "nu" and name != "damping" and not value > 0:
+        raise ScenarioError(f"{name} of the chassis is {value!r}; it must be positive")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and bool(np.isfinite(value))

@@ -1,14 +1,8 @@
-"""Modal data of a chassis: frequencies, damping, and shapes at named nodes; from a file, or for a component.
-
-The file is JSON: ``frequency`` in Hz and ``damping`` ratios, one per mode, and two tables of mass-normalised vertical
-shapes (kg^-1/2, upwards positive), one list per node: ``wheels`` with the nodes fl, fr, rl, rr, and ``stations`` by
-name.
-"""
+"""Modal data of a chassis: frequencies, damping, and shapes at named nodes; from a file, or for a component."""
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +10,7 @@ import numpy as np
 
 from cosim.errors import ScenarioError
 
+from .chassis_files import read_document, write_document
 from .chassis_modal import ChassisModal
 
 WHEELS = ("fl", "fr", "rl", "rr")
@@ -47,27 +42,31 @@ class ModalData:
             station_shape=self.station_shape[:, :n],
         )
 
+    def first(self, modes: int) -> ModalData:
+        """Return the data of the first *modes* modes only."""
+        return ModalData(
+            self.frequency[:modes], self.damping[:modes], self.wheel_shape[:, :modes], self.station_shape[:, :modes],
+            self.stations,
+        )  # fmt: skip
+
+    def damped(self, ratio: float) -> ModalData:
+        """Return the data with one damping *ratio* for all modes."""
+        return replace(self, damping=np.full(len(self.frequency), float(ratio)))
+
     def save(self, path: Path) -> None:
-        """Write the data as JSON, every bit kept."""
+        """Write the data, every bit kept: as CSV or NPZ if the suffix says so, else as JSON."""
         document = {
             "frequency": self.frequency.tolist(),
             "damping": self.damping.tolist(),
             "wheels": dict(zip(WHEELS, self.wheel_shape.tolist(), strict=True)),
             "stations": dict(zip(self.stations, self.station_shape.tolist(), strict=True)),
         }
-        path.write_text(json.dumps(document, indent=1), encoding="utf-8")
+        write_document(path, document)
 
 
 def load_modal_data(path: Path) -> ModalData:
-    """Read modal data from a JSON file; raises ScenarioError naming file and key for whatever is missing or wrong."""
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ScenarioError(f"cannot read the modal data {path}: {error.strerror}") from None
-    except ValueError as error:
-        raise ScenarioError(f"the modal data {path} are not JSON: {error}") from None
-    if not isinstance(document, dict):
-        raise ScenarioError(f"the modal data {path} must be an object with frequency, damping, wheels and stations")
+    """Read modal data from a JSON, CSV or NPZ file; raises ScenarioError naming file and key for what is wrong."""
+    document = read_document(path, WHEELS)
     frequency = _numbers(path, document, "frequency")
     n = len(frequency)
     damping = _numbers(path, document, "damping", n)

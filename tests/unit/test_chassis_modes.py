@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cosim.errors import ScenarioError
-from plants.chassis_fe import chassis
+from plants.chassis import chassis
 from plants.chassis_modes import ModalData, load_modal_data
 
 DATA = ModalData(

@@ -1,0 +1,71 @@
+"""The shock paper: its frequencies (Table 1), the harmonics of three pulses (Fig 3), its load factors (Fig 4)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from plants.chassis_modes import ModalData
+from plants.pulses import Pulse
+from plants.shock import poles, pulse_response
+from plants.shock_loads import load_factor
+
+from .modes import THESIS
+from .sheet import LINES, Sheet, panels
+
+PRINTED = np.array([3.82, 4.20, 8.67, 10.59, 10.94, 12.78, 15.13, 17.86, 22.31, 24.30])  # Hz, Table 1
+DURATION, REPEATED, FIRST = 0.15, 1 / 3.98, 3.82  # s, s, Hz
+FACTORS = {"rectangular": 7.1, "half-sine": 6.3, "triangular": 5.2}  # printed, of the peak of the pulse
+
+
+def table_1(data: ModalData) -> Sheet:
+    """Return Table 1: printed frequencies, 2 pi times these, the thesis' and those of *data*."""
+    figure, axes = panels("Frequencies of the shock paper, times 2 pi, and of the thesis (Table 1)")
+    number = np.arange(1, 11)
+    columns = {
+        "mode": number, "paper [Hz]": PRINTED, "2 pi paper [Hz]": 2 * np.pi * PRINTED, "thesis [Hz]": THESIS,
+        "fitted plate [Hz]": data.frequency[:10],
+    }  # fmt: skip
+    for (name, values), mark in zip(list(columns.items())[1:], ("o", "s", "x", "+"), strict=True):
+        axes[0, 0].plot(number, values, mark, label=name)
+    axes[0, 0].set(xlabel="mode", ylabel="frequency / Hz", yscale="log")
+    axes[0, 0].legend(frameon=False, fontsize=8)
+    return Sheet("Table 1", columns, figure, ("one of the two has Hz and rad/s mixed up; the text cannot say which",))
+
+
+def amplitudes_figure() -> Sheet:
+    """Return Fig 3: amplitudes of the harmonics of the three pulses, per peak."""
+    number = np.arange(1, 11)
+    figure, axes = panels("Amplitudes of the harmonics, 0.15 s every 0.251 s (paper, Fig 3)")
+    columns = {"harmonic": number, "frequency [Hz]": number / REPEATED}
+    for k, shape in enumerate(FACTORS):
+        series = Pulse(shape, DURATION).series(REPEATED, 10 / REPEATED)
+        columns[shape] = np.hypot(series.a, series.b)
+        axes[0, 0].bar(number + 0.27 * (k - 1), columns[shape], width=0.27, color=LINES[k], label=shape)
+    axes[0, 0].set(xlabel="harmonic", ylabel="amplitude / peak")
+    axes[0, 0].legend(frameon=False)
+    return Sheet("Harmonics", columns, figure)
+
+
+def single_pulse_factor(shape: str) -> float:
+    """Return the largest displacement of an undamped 3.82 Hz mode under one pulse, over the static one."""
+    t = np.linspace(0, DURATION + 1 / FIRST, 20_001)
+    _, wd = poles(np.array([FIRST]), 0.0)
+    q = pulse_response(np.array([FIRST]), 0.0, Pulse(shape, DURATION), t).q
+    return float(np.max(np.abs(q)) * wd[0] ** 2)
+
+
+def factors_figure() -> Sheet:
+    """Return Fig 4: the load factors of the first four harmonics on mode 1, and what one pulse does."""
+    figure, axes = panels("Load factors on mode 1 (paper, Fig 4)")
+    columns = {"harmonic": np.arange(1, 5)}
+    for k, shape in enumerate(FACTORS):
+        pulse = Pulse(shape, DURATION)
+        columns[shape] = np.array([load_factor(pulse, REPEATED, FIRST, j) for j in range(1, 5)])
+        axes[0, 0].bar(columns["harmonic"] + 0.27 * (k - 1), columns[shape], width=0.27, color=LINES[k], label=shape)
+    axes[0, 0].set(xlabel="harmonic", ylabel="force / peak of the pulse")
+    axes[0, 0].legend(frameon=False)
+    notes = [
+        f"{s}: {columns[s][0]:.2f}, printed {FACTORS[s]}, single pulse {single_pulse_factor(s):.2f}" for s in FACTORS
+    ]
+    resonance = "a resonance of mode 1 with the rate of repetition that was chosen, 3.98 beside 3.82 Hz"
+    return Sheet("Load factors", columns, figure, (*notes, resonance))
