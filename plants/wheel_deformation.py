@@ -16,7 +16,7 @@ from typing import Any
 
 import casadi as ca
 
-from cosim import event, parameter, state
+from cosim import event, parameter, state, structural
 
 from .wheels import Wheels, asked_aside, friction, slowest_aside
 
@@ -31,6 +31,10 @@ class WheelDeformation(Wheels):
     negative.
     """
 
+    located = structural(
+        0, "1: a step ends where a wheel begins or ceases to push, and everybody meets there; 0: it does not"
+    )
+
     k_w = parameter([1e5, 1e5, 1e5, 1e5], "N/m", "radial stiffness of each wheel")
     c_w = parameter([0.0, 0.0, 0.0, 0.0], "N.s/m", "radial damping of each wheel")
 
@@ -44,7 +48,7 @@ class WheelDeformation(Wheels):
     lost = state(0.0, "J", "energy dissipated by deformation since the start")
     slid = state(0.0, "J", "energy dissipated by sideslip since the start")
 
-    push = event("a wheel begins or ceases to push on the ground", shape=4)
+    push = event("a wheel begins or ceases to push on the ground", shape=4, announce="located")
 
     def sync(s: Any) -> dict[str, Any]:
         none = ca.SX.zeros(4)

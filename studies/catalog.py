@@ -24,6 +24,7 @@ from cosim.errors import ScenarioError, nearest
 from cosim.scenario import ScenarioFile, Slot
 from plants import ground
 from plants.chassis_modal import ChassisModal
+from plants.full_order import FullOrderRover
 from plants.manoeuvre import PitchManoeuvre
 from plants.rigid_body import RigidBody
 from plants.rigid_contact import RigidContact
@@ -33,7 +34,7 @@ from plants.wheel_drive import WheelDrive
 from .designs import DESIGNS, Context
 
 PLANTS: dict[str, type[Component]] = {
-    c.__name__: c for c in (RigidBody, WheelDeformation, RigidContact, ChassisModal, WheelDrive)
+    c.__name__: c for c in (RigidBody, WheelDeformation, RigidContact, ChassisModal, WheelDrive, FullOrderRover)
 }
 CONTROLLERS: dict[str, type[Component]] = {
     c.__name__: c
@@ -74,7 +75,7 @@ def component(type_name: str, parameters: dict[str, Any], where: str, context: C
         raise ScenarioError(f"{where}: there is no component {type_name!r}; {nearest(type_name, COMPONENTS)}")
     try:
         if type_name == "ChassisModal" and "frequency" not in parameters:
-            from plants.chassis_fe import chassis  # the finite-element library takes a second to import
+            from plants.chassis import chassis  # the finite-element library takes a second to import
 
             return chassis(**parameters)
         if context is not None and type_name in DESIGNS:

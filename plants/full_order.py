@@ -1,0 +1,244 @@
+"""The robot of full order: rims, rubber rings of many nodes, a body and its elastic modes, on the ground itself.
+
+It stands where the thesis used LS-DYNA (6.7, table 6.2): wheels with distributed mass and stiffness that roll, stick
+and slide, a chassis that bends, gravity that rises before the collision.  The equations are in `ring`, `ring_contact`
+and `full_order_step`; between communication points the harness takes micro steps no longer than ``micro_step``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from cosim import Component, DeclarationError, input, output, parameter, state, structural, table
+
+from .full_order_step import NAMES, WHEELS, frames, micro_step, packed, ring, rows_of, turning
+from .ring import CONTACT, MATERIAL, share, shifted
+from .ring_contact import COLUMNS, keys
+
+_LEVEL = [[-1e9, *3 * (0, 0, 0, 0)]]
+_SAFETY = 0.5  # of the longest stable micro step
+
+
+class FullOrderRover(Component):
+    """Body, four rims with rubber rings, and chassis modes.
+
+    World: x along the road, z up.  Wheels front-left, front-right, rear-left, rear-right; the left ones roll on the
+    left track.  ``m`` and ``inertia`` are those of the body with the rims, but without the rings and without the
+    inertia of the rims about their axles.  Forces are means over the communication step unless said otherwise.
+
+    Raises DeclarationError for points that are no multiple of the nodes, and for a micro step that is not stable.
+    """
+
+    symbols = ca.MX  # functions of one node are mapped over all of them: loops in C
+
+    nodes = structural(32, "nodes of each ring")
+    points = structural(128, "points of each ring that meet the ground, a multiple of the nodes")
+    modes = structural(1, "number of elastic modes of the chassis")
+
+    m = parameter(170.0, "kg", "mass of the body, rims included")
+    inertia = parameter([20.0, 47.0, 55.0], "kg.m2", "principal moments of inertia: roll, pitch, yaw")
+    L_f = parameter(0.6, "m", "centre of mass to front axle")
+    L_r = parameter(0.46, "m", "centre of mass to rear axle")
+    half_track = parameter(0.29, "m", "centre plane to a wheel")
+    h = parameter(0.4, "m", "centre of mass above the wheel centres")
+    R = parameter(0.1, "m", "radius of the rings")
+    g = parameter(9.81, "m/s2", "gravity, along -z of the world")
+    gravity_time = parameter(0.0, "s", "how long gravity takes to rise from 0 at t = 0; 0: it is there")
+    J_w = parameter(0.01, "kg.m2", "moment of inertia of a rim about its axle, motor included")
+    ring_mass = parameter(0.83, "kg", "mass of a ring")
+    k_radial = parameter(2e6, "N/m2", "radial stiffness between rim and ring, per length of ring")
+    k_tangential = parameter(7e5, "N/m2", "tangential and lateral stiffness, per length of ring")
+    c_radial = parameter(200.0, "N.s/m2", "radial damping, per length of ring")
+    c_tangential = parameter(70.0, "N.s/m2", "tangential and lateral damping, per length of ring")
+    EA = parameter(6e3, "N", "stiffness of a ring against stretching")
+    EI = parameter(0.11, "N.m2", "stiffness of a ring against bending")
+    k_contact = parameter(2e7, "N/m2", "stiffness of the contact, per length of ring")
+    k_bristle = parameter(1e7, "N/m2", "tangential stiffness of a contact that sticks, per length of ring")
+    mu_s = parameter(0.8, "1", "coefficient of static friction")
+    mu_d = parameter(0.3, "1", "coefficient of dynamic friction")
+    v_slip = parameter(0.2, "m/s", "speed of sliding at which the difference of the two has fallen to 1/e")
+    v_drive = parameter(0.5, "m/s", "slip at which a drive that is asked for traction gives half of it")
+    frequency = parameter(25.0, "Hz", "undamped natural frequencies", shape="modes")
+    damping = parameter(5e-5, "1", "damping ratios", shape="modes")
+    wheel_shape = parameter(0.0, "1", "vertical mode shapes at the hubs, mass-normalised (kg^-1/2)", shape=(4, "modes"))
+    micro_step = parameter(1e-5, "s", "longest step inside a communication step")
+    ground_left = table(COLUMNS, "ground of the left track", start=_LEVEL)
+    ground_right = table(COLUMNS, "ground of the right track", start=_LEVEL)
+
+    torque = input("N.m", "motor torque of each wheel", shape=4)
+    traction_demand = input("N", "traction asked of each wheel, forward positive", shape=4)
+    force = input("N", "external force at the centre of mass, world axes", shape=3)
+    moment = input("N.m", "external moment, body axes", shape=3)
+
+    r = state([0.0, 0.0, 0.5], "m", "position of the body's centre of mass, world")
+    q = state([1.0, 0.0, 0.0, 0.0], "1", "attitude quaternion (w, x, y, z), body to world")
+    v = state([0.0, 0.0, 0.0], "m/s", "its velocity, world")
+    H = state([0.0, 0.0, 0.0], "N.m.s", "angular momentum of body and rims about it, world")
+    spin = state([0.0] * 4, "rad/s", "spin of each rim about its axle, in the world")
+    angle = state([0.0] * 4, "rad", "how far each rim has turned in the body")
+    modal_q = state(0.0, "m", "modal coordinates (m kg^1/2)", shape="modes", nominal=1e-3)
+    modal_rate = state(0.0, "m/s", "their time derivatives (m kg^1/2 / s)", shape="modes", nominal=1e-2)
+    x_fl = state(0.0, "m", "nodes of the front left ring, world", shape=("nodes", 3))
+    x_fr = state(0.0, "m", "nodes of the front right ring, world", shape=("nodes", 3))
+    x_rl = state(0.0, "m", "nodes of the rear left ring, world", shape=("nodes", 3))
+    x_rr = state(0.0, "m", "nodes of the rear right ring, world", shape=("nodes", 3))
+    v_fl = state(0.0, "m/s", "their velocities", shape=("nodes", 3))
+    v_fr = state(0.0, "m/s", "their velocities", shape=("nodes", 3))
+    v_rl = state(0.0, "m/s", "their velocities", shape=("nodes", 3))
+    v_rr = state(0.0, "m/s", "their velocities", shape=("nodes", 3))
+    z_fl = state(0.0, "m", "bristles of the front left ring, along and to the left", shape=("points", 2))
+    z_fr = state(0.0, "m", "bristles of the front right ring", shape=("points", 2))
+    z_rl = state(0.0, "m", "bristles of the rear left ring", shape=("points", 2))
+    z_rr = state(0.0, "m", "bristles of the rear right ring", shape=("points", 2))
+    pressing = state([0.0] * 4, "N", "normal force of each wheel in the last micro step", nominal=100.0)
+    normal_sum = state([0.0] * 4, "N.s", "normal impulse since the step began", nominal=0.1)
+    traction_sum = state([0.0] * 4, "N.s", "impulse of friction along the ground since the step began", nominal=0.1)
+    lateral_sum = state([0.0] * 4, "N.s", "lateral impulse since the step began", nominal=0.1)
+    axle_sum = state([[0.0] * 3] * 4, "N.s", "impulse of each wheel on the body since then, body axes", nominal=0.1)
+    elapsed = state(0.0, "s", "time since the step began")
+    v_begun = state([0.0] * 3, "m/s", "velocity when the step began")
+    push = state(0.0, "N", "normal force of the ground on each node", shape=(4, "nodes"))
+    pull = state(0.0, "N", "friction on each node", shape=(4, "nodes"))
+    damped = state(0.0, "J", "energy lost in dampers since the start")
+    slid = state(0.0, "J", "energy lost in friction since the start")
+    fallen = state(0.0, "J", "work of gravity since the start")
+    worked = state(0.0, "J", "work of motors and external forces since the start")
+    impulse = state([0.0] * 3, "N.s", "impulse of all external forces since the start, world")
+    twist = state([0.0] * 3, "N.m.s", "angular impulse of all external forces about the world's origin")
+
+    position = output("m", "position of the body's centre of mass, world", shape=3)
+    orientation = output("1", "attitude quaternion (w, x, y, z), body to world", shape=4)
+    velocity = output("m/s", "velocity of the body's centre of mass, world", shape=3)
+    velocity_body = output("m/s", "the same in body axes", shape=3)
+    rate = output("rad/s", "angular velocity, body axes", shape=3)
+    pitch = output("rad", "pitch angle, nose-up positive")
+    acceleration = output("m/s2", "mean acceleration over the step, body axes", shape=3)
+    normal_force = output("N", "mean normal force of each wheel", shape=4)
+    normal_force_end = output("N", "normal force of each wheel at the end of the step", shape=4)
+    traction = output("N", "mean friction along the ground, forward positive", shape=4)
+    lateral = output("N", "mean lateral force, to the left positive", shape=4)
+    axle_force = output("N", "mean force of each wheel on the body, body axes", shape=(4, 3))
+    contact = output("1", "1 where a wheel presses the ground, else 0", shape=4)
+    wheel_centre = output("m", "hubs, world", shape=(4, 3))
+    kinetic_energy = output("J", "kinetic energy of body, rims, rings and modes")
+    elastic_energy = output("J", "energy stored in rings and modes")
+    contact_energy = output("J", "energy stored in contacts and bristles")
+    momentum = output("N.s", "linear momentum, world", shape=3)
+    angular_momentum = output("N.m.s", "angular momentum about the world's origin", shape=3)
+    stable_step = output("s", "longest micro step that is stable for these parameters")
+
+    def __init__(self, **values: Any) -> None:
+        super().__init__(**values)
+        nodes, points = self.structure["nodes"], self.structure["points"]
+        if not isinstance(nodes, int) or not isinstance(points, int) or nodes < 8 or points < nodes or points % nodes:
+            raise DeclarationError(
+                f"FullOrderRover has {nodes} nodes and {points} points on each ring; give at least 8 nodes, and a "
+                "multiple of the nodes as points"
+            )
+        limit = stable_step(self)
+        if self.micro_step > limit:
+            raise DeclarationError(
+                f"FullOrderRover.micro_step is {self.micro_step:g} s, but these springs and masses are stable up to "
+                f"{limit:.3g} s only; take a shorter one"
+            )
+
+    def lookups(s: Any) -> dict[str, Any]:
+        found = []
+        for name in NAMES:
+            x = (getattr(s, f"x_{name}").T + s.dt / 2 * getattr(s, f"v_{name}").T)[0, :]
+            four = ca.vertcat(*(shifted(x, by) for by in (-1, 0, 1, 2)))
+            found.append(ca.vec(keys(s.nodes, s.points // s.nodes).map(s.nodes)(four)))
+        return {"ground_left": ca.vertcat(found[0], found[2]), "ground_right": ca.vertcat(found[1], found[3])}
+
+    def sync(s: Any) -> dict[str, Any]:
+        none = ca.MX.zeros(4)
+        return {"q": s.q / ca.norm_2(s.q), "normal_sum": none, "traction_sum": none, "lateral_sum": none,
+                "axle_sum": ca.MX.zeros(4, 3), "elapsed": 0, "v_begun": s.v}  # fmt: skip
+
+    def flow(s: Any) -> dict[str, Any]:
+        return micro_step(s)
+
+    def outputs(s: Any) -> dict[str, Any]:
+        began = s.elapsed > 0
+        span = ca.if_else(began, s.elapsed, 1)
+        R, omega = turning()(s.q, s.H, s.spin, s.inertia, s.J_w)
+        size = packed(s, ("L_f", "L_r", "half_track", "h"))
+        frame, _ = frames()(R, omega, s.r, s.v, size, s.wheel_shape @ s.modal_q, s.wheel_shape @ s.modal_rate,
+                            s.spin, s.angle)  # fmt: skip
+        return {
+            "position": s.r, "orientation": s.q, "velocity": s.v, "velocity_body": R.T @ s.v, "rate": omega,
+            "pitch": ca.asin(ca.fmax(-1, ca.fmin(1, R[2, 0]))),
+            "acceleration": R.T @ ca.if_else(began, (s.v - s.v_begun) / span, 0),
+            "normal_force": ca.if_else(began, s.normal_sum / span, s.pressing), "normal_force_end": s.pressing,
+            "traction": s.traction_sum / span, "lateral": s.lateral_sum / span, "axle_force": s.axle_sum / span,
+            "contact": s.pressing > 0, "wheel_centre": frame[9:12, :].T, "stable_step": _stable(s),
+            **_energies(s, omega, frame), **_momenta(s),
+        }  # fmt: skip
+
+
+def _energies(s: Any, omega: Any, frame: Any) -> dict[str, Any]:
+    material, contact = packed(s, MATERIAL), packed(s, CONTACT)
+    of = [
+        ring(s.nodes, s.points).energies(getattr(s, f"x_{NAMES[k]}").T, getattr(s, f"v_{NAMES[k]}").T,
+                                         getattr(s, f"z_{NAMES[k]}").T, rows_of(s, k), frame[:, k], material, contact)
+        for k in WHEELS
+    ]  # fmt: skip
+    moving = (
+        s.m * ca.sumsqr(s.v) + ca.dot(omega, s.inertia * omega) + s.J_w * ca.sumsqr(s.spin) + ca.sumsqr(s.modal_rate)
+    )
+    rings = share(material, s.nodes).mass * sum(ca.sumsqr(getattr(s, f"v_{n}")) for n in NAMES)
+    modal = ca.sumsqr(2 * np.pi * s.frequency * s.modal_q) / 2
+    return {
+        "kinetic_energy": (moving + rings) / 2,
+        "elastic_energy": modal + sum(o[0] for o in of),
+        "contact_energy": sum(o[1] for o in of),
+    }
+
+
+def _momenta(s: Any) -> dict[str, Any]:
+    mass = share(packed(s, MATERIAL), s.nodes).mass
+    linear, angular = s.m * s.v, s.H + s.m * ca.cross(s.r, s.v)
+    for name in NAMES:
+        x, v = getattr(s, f"x_{name}").T, getattr(s, f"v_{name}").T
+        linear += mass * ca.sum2(v)
+        angular += mass * ca.sum2(ca.vertcat(x[1, :] * v[2, :] - x[2, :] * v[1, :],
+                                             x[2, :] * v[0, :] - x[0, :] * v[2, :],
+                                             x[0, :] * v[1, :] - x[1, :] * v[0, :]))  # fmt: skip
+    return {"momentum": linear, "angular_momentum": angular}
+
+
+def _stable(s: Any) -> Any:
+    """Return the longest stable micro step (s): a share of 2 / w, w bounded by a node's row sums."""
+    of = share(packed(s, MATERIAL), s.nodes)
+    held = (
+        ca.fmax(of.k[0], of.k[1]) + of.length * ca.fmax(s.k_contact, s.k_bristle) * 1.5
+    )  # 1.5: weights of either sign
+    node = ca.sqrt((held + 4 * of.stretch + 16 * of.bend / of.length**2) / of.mass)
+    rim = ca.sqrt(s.nodes * of.k[1] * s.R**2 / s.J_w)
+    return _SAFETY * 2 / ca.fmax(ca.fmax(node, rim), 2 * np.pi * ca.mmax(s.frequency))
+
+
+def stable_step(rover: FullOrderRover) -> float:
+    """Return the longest micro step (s) that is stable for the parameters of *rover*, with a margin of two."""
+    from types import SimpleNamespace
+
+    s = SimpleNamespace(**{n: ca.DM(v) for n, v in rover.values.items()}, nodes=rover.nodes)
+    return float(_stable(s))
+
+
+def rolling(rover: FullOrderRover, x: float, height: float, speed: float) -> dict[str, np.ndarray]:
+    """Return the start values of a robot that rolls level on undeformed wheels, its body at *height* (m)."""
+    v, n = rover.values, rover.nodes
+    R, spin = float(v["R"]), speed / float(v["R"])
+    phi = 2 * np.pi * np.arange(n) / n
+    starts = {"r": np.array([x, 0, height]), "v": np.array([speed, 0, 0]), "spin": np.full(4, spin),
+              "H": np.array([0, 4 * float(v["J_w"]) * spin, 0])}  # fmt: skip
+    for k, name in enumerate(NAMES):
+        hub = [x + float(v["L_f"] if k < 2 else -v["L_r"]), float(v["half_track"]) * (1 if k % 2 == 0 else -1),
+               height - float(v["h"])]  # fmt: skip
+        starts[f"x_{name}"] = hub + R * np.column_stack([np.sin(phi), 0 * phi, np.cos(phi)])
+        starts[f"v_{name}"] = np.array([speed, 0, 0]) + spin * R * np.column_stack([np.cos(phi), 0 * phi, -np.sin(phi)])
+    return starts
