@@ -114,7 +114,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
 _INCLUDE_EQUATIONS = """\
 #define CASADI_SYMBOL_EXPORT static
 #define casadi_int long long
-/* fmax and fmin of <math.h> are calls into libm, around which a compiler keeps no number in a register; written out they
+/* fmax and fmin of <math.h> are calls into libm, around which no number stays in a register; written out they
  * are one instruction each.  A NaN goes on, where libm would drop it: it is found at the end of the step. */
 static inline double larger(double x, double y) { return x > y ? x : y; }
 static inline double smaller(double x, double y) { return x < y ? x : y; }
