@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from plants.chassis_modes import ModalData
+from studies.figures.sheet import Sheet
 
 from .loads import coefficients_figure, integral_figure, pulses_figure
 from .modes import frequencies_figure, shapes_figure
 from .paper import amplitudes_figure, factors_figure, table_1
 from .participation import participation_figure
 from .responses import cutoff_figure, durations_figure, map_figure, methods_figure, spectra_figure
-from .sheet import Sheet
 
 FIGURES: dict[str, Callable[[ModalData], Sheet]] = {
     "7.3": lambda data: integral_figure(),

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from plants.chassis_modes import ModalData
+from studies.figures.claim import Claim
 
 from .cases import platform
-from .claim import Claim
 from .claims_collision import faced, reaction_of_the_diagonal, reaction_of_the_rear, soft_wheels, zones
 from .claims_method import few_modes_suffice, load_factors, rectangular_is_worst, transient_dies_out
 from .claims_modes import four_wheels_spare_mode_2, middle_row_alike, similar_modes, single_excites_all

@@ -6,9 +6,9 @@ import numpy as np
 
 from plants.shock_loads import TABLE_8_1, rigid_reaction, still_reaction
 from plants.tables import robot
+from studies.figures.claim import Claim, graded
 
 from .cases import CORNERS, EDGES, INNER, at
-from .claim import Claim, graded
 from .collision import ONE, ONE_HARD, TWO, TWO_HARD, Impact, collide, row
 
 _FIRST = 0.05  # s, of the first contact: a pulse of the thesis

@@ -9,9 +9,9 @@ from plants.pulses import Pulse
 from plants.shock import peaks
 from plants.shock_fourier import PERIOD
 from plants.shock_loads import load_factor
+from studies.figures.claim import Claim, graded
 
 from .cases import acceleration, platform
-from .claim import Claim, graded
 from .paper import DURATION, FACTORS, FIRST, REPEATED, single_pulse_factor
 from .responses import CUT_OFFS, cutoff_peaks
 

@@ -7,9 +7,9 @@ import numpy as np
 from plants.chassis_modes import ModalData
 from plants.shock import peaks
 from plants.shock_loads import TABLE_8_1, excited, participation, still_reaction, wheel_load
+from studies.figures.claim import EQUAL, Claim, graded
 
 from .cases import CASES, FORCE, acceleration, times
-from .claim import EQUAL, Claim, graded
 
 
 def similar_modes(data: ModalData) -> Claim:

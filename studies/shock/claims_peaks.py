@@ -9,9 +9,9 @@ from plants.pulses import Pulse
 from plants.shock import GRAVITY, peaks
 from plants.shock_fourier import fourier_response
 from plants.shock_loads import free_amplitude
+from studies.figures.claim import EQUAL, Claim, graded
 
 from .cases import CASES, CORNERS, EDGES, FORCE, INNER, LONG, SHORT, acceleration, at, times
-from .claim import EQUAL, Claim, graded
 
 
 def station_1_is_worst(data: ModalData) -> Claim:

@@ -15,12 +15,12 @@ from cosim.errors import ScenarioError
 from plants.chassis_modes import ModalData
 from plants.shock import held_response, peaks
 from plants.tables import Robot
+from studies.figures.sheet import LINES, Sheet, panels
 
 from ..catalog import find_scenario
 from ..runner import Result, execute
 from .cases import CORNERS, INNER, MODES, RATE, STATIONS, at, platform
 from .responses import CUT_OFFS
-from .sheet import LINES, Sheet, panels
 from .spectra import FREQUENCIES, response_spectrum
 
 SCENARIO = "shock-collision"

@@ -8,9 +8,9 @@ import numpy as np
 
 from plants.pulses import SHAPES, Pulse
 from plants.shock_fourier import PERIOD, TOP
+from studies.figures.sheet import LINES, Sheet, panels
 
 from .cases import LONG, SHORT
-from .sheet import LINES, Sheet, panels
 
 
 def pulses_figure() -> Sheet:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from plants.chassis_modes import ModalData
+from studies.figures.sheet import LINES, Sheet, panels
 
 from .cases import STATIONS
-from .sheet import LINES, Sheet, panels
 
 # Hz: printed in section 8.2, and 2 pi times Table 1 of the shock paper where the thesis leaves them out (4, 8, 10)
 THESIS = np.array([24.0, 26.39, 54.48, 66.54, 68.74, 80.30, 95.06, 112.22, 140.18, 152.68])

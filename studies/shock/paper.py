@@ -8,9 +8,9 @@ from plants.chassis_modes import ModalData
 from plants.pulses import Pulse
 from plants.shock import poles, pulse_response
 from plants.shock_loads import load_factor
+from studies.figures.sheet import LINES, Sheet, panels
 
 from .modes import THESIS
-from .sheet import LINES, Sheet, panels
 
 PRINTED = np.array([3.82, 4.20, 8.67, 10.59, 10.94, 12.78, 15.13, 17.86, 22.31, 24.30])  # Hz, Table 1
 DURATION, REPEATED, FIRST = 0.15, 1 / 3.98, 3.82  # s, s, Hz

@@ -8,9 +8,9 @@ import numpy as np
 
 from plants.chassis_modes import ModalData
 from plants.shock_loads import excited, participation, wheel_load
+from studies.figures.sheet import LINES, Sheet, panels
 
 from .cases import FORCE
-from .sheet import LINES, Sheet, panels
 
 
 def participation_figure(data: ModalData, cases: Sequence[str]) -> Sheet:

@@ -9,9 +9,9 @@ import numpy as np
 from plants.chassis_modes import ModalData
 from plants.shock import GRAVITY, peaks, pulse_response
 from plants.shock_fourier import fourier_response
+from studies.figures.sheet import LINES, Sheet, panels
 
 from .cases import LONG, RATE, SHORT, STATIONS, acceleration, platform, times
-from .sheet import LINES, Sheet, panels
 from .spectra import FREQUENCIES, Q, response_spectrum
 
 CUT_OFFS = (5, 10, 25, 50, 100, 200)

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from studies.shock.claims import judged, judged_collisions
 
 from plants.shock import peaks
 from plants.shock_fourier import fourier_response
 from plants.shock_loads import participation, wheel_load
+from studies.figures.claim import CONTRADICTED, REPRODUCED, TREND, Claim
 from studies.shock import FIGURES
 from studies.shock.cases import CORNERS, EDGES, INNER, STATIONS, acceleration, platform, times
-from studies.shock.claim import CONTRADICTED, REPRODUCED, TREND, Claim
-from studies.shock.claims import judged, judged_collisions
 
 VERDICTS = [
     TREND, CONTRADICTED, REPRODUCED, TREND, REPRODUCED, CONTRADICTED, TREND,

@@ -1,4 +1,4 @@
-"""What a study of the chassis returns: a picture, its data as columns, and what to know when reading it."""
+"""What a figure or a table is: a picture, its data as columns, and what to know when reading it."""
 
 from __future__ import annotations
 
