@@ -160,7 +160,7 @@ def show_unconnected(console: Console, inputs: list[dict[str, Any]]) -> None:
 def show_components(console: Console, components: dict[str, dict[str, Any]]) -> None:
     """Print what each component declares it can do."""
     _title(console, "Capabilities", "What each component declares it can do.")
-    table = _table("component", "kind", *ABILITIES, kept=("kind",))
+    table = _table("component", "kind", *ABILITIES, kept=("component", "kind"))
     for name, facts in components.items():
         table.add_row(
             plain(name), facts["kind"].removesuffix(" FMU"), *(_able(facts[key]) for key, _ in ABILITIES.values())
