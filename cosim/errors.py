@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Any
 
 
 class CosimError(Exception):
@@ -23,14 +24,22 @@ class CouplingError(CosimError):
 
 
 class StepError(CosimError):
-    """A component failed while it was initialised or stepped; carries the component, the time and its own message."""
+    """A component failed while it was initialised or stepped; carries the component, the time and its own message.
 
-    def __init__(self, component: str, time: float, reason: str) -> None:
-        self.component, self.time, self.reason = component, time, reason
-        super().__init__(f"{component} failed at t = {time:.9g} s: {reason}")
+    *call* is the C function of an FMU with what it returned, *step* the number of the accepted point that the step
+    would have led to, which the master knows; an error before the first step has none.
+    """
 
-    def __reduce__(self) -> tuple[type[StepError], tuple[str, float, str]]:
-        return type(self), (self.component, self.time, self.reason)  # it travels between processes
+    def __init__(self, component: str, time: float, reason: str, call: str = "", step: int | None = None) -> None:
+        super().__init__(component, time, reason)
+        self.component, self.time, self.reason, self.call, self.step = component, time, reason, call, step
+
+    def __str__(self) -> str:
+        where = ", ".join(filter(None, (self.call, f"step {self.step}" if self.step is not None else "")))
+        return f"{self.component} failed at t = {self.time:.9g} s: {self.reason}" + (f" ({where})" if where else "")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.component, self.time, self.reason, self.call, self.step)  # between processes
 
 
 class ExportError(CosimError):

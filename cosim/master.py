@@ -17,7 +17,7 @@ from .attempt import Attempt
 from .clock import seconds, ticks
 from .compiled import compiled_loop
 from .control import PI, Fixed, Pace
-from .errors import CouplingError, ScenarioError
+from .errors import CouplingError, ScenarioError, StepError
 from .event_mode import EventMode
 from .observer import Block, Observer, Point, RunInfo, Summary
 from .step_checks import check_periods, check_steps, rewound, sample_period
@@ -260,6 +260,8 @@ class _Run:
         self._tell(lambda o: o.rejected(attempt.start, attempt.end, attempt.start, component))
 
     def _failed(self, error: BaseException) -> None:
+        if isinstance(error, StepError) and self.system.time:
+            error.step = self.steps + 1
         met, self.pending = self.pending, {}
         for observer in self.observers:
             try:

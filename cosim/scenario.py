@@ -66,6 +66,7 @@ class RunSettings(BaseModel):
     solve_loops: bool = False  # bring all outputs up to date at every communication point
     trusted: tuple[str, ...] = ()  # who can be read after setting though FMI 2.0 does not promise it
     locate_events: bool = True
+    compiled: bool | None = Field(None, strict=True)  # loop; None: where it can make the run, False: the readable one
     events: dict[str, Literal["rising", "falling", "crossing", "change"]] = Field({})  # outputs that tell of an event
     tolerance: float = Field(1e-8, gt=0, lt=1e-2)
     fmi: Literal[2, 3] = 3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from ctypes import c_void_p
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from cosim import ExportError, StepError
 from cosim.compiled import Native, What
@@ -13,9 +13,22 @@ from cosim.compiled import Native, What
 if TYPE_CHECKING:
     from .instance import FmuInstance
 
-_NAMES = {
-    2: ("fmi2SetReal", "fmi2GetReal", "fmi2DoStep", "fmi2GetFMUstate", "fmi2SetFMUstate"),
-    3: ("fmi3SetFloat64", "fmi3GetFloat64", "fmi3DoStep", "fmi3GetFMUState", "fmi3SetFMUState"),
+NO_TIME = 1e9  # s; who says that it reached more, or NaN, does not know where it is
+
+
+class Names(NamedTuple):
+    """What the functions of a version of the standard are called."""
+
+    set: str
+    get: str
+    step: str
+    save: str
+    restore: str
+
+
+NAMES = {
+    2: Names("fmi2SetReal", "fmi2GetReal", "fmi2DoStep", "fmi2GetFMUstate", "fmi2SetFMUstate"),
+    3: Names("fmi3SetFloat64", "fmi3GetFloat64", "fmi3DoStep", "fmi3GetFMUState", "fmi3SetFMUState"),
 }
 _CALLS = ("push", "pull", "step", "snapshot", "restore")
 
@@ -36,9 +49,7 @@ def native(
     if handle is None or special or any(name in vars(instance) for name in _CALLS):
         return None
     fmi = instance.archive.fmi
-    setter, getter, step, save, restore = _NAMES[fmi]
-    names = {"set": setter, "get": getter, "step": step}
-    names |= {"save": save, "restore": restore} if instance.can.rollback else {}
+    names = NAMES[fmi]._asdict() if instance.can.rollback else dict(zip(Names._fields[:3], NAMES[fmi], strict=False))
     names |= {"boolean_status": "fmi2GetBooleanStatus", "real_status": "fmi2GetRealStatus"} if fmi == 2 else {}
     try:
         addresses = {entry: ctypes.cast(function(name), c_void_p).value or 0 for entry, name in names.items()}
@@ -56,6 +67,11 @@ def native(
     )
 
 
+def no_time(what: str) -> str:
+    """Return the complaint about a function that says it came to no time."""
+    return f"{what} returned a last successful time that is no time"
+
+
 def _failed(
     instance: FmuInstance, fail: Callable[[str, int], NoReturn], what: What, status: int, time: float
 ) -> NoReturn:
@@ -65,13 +81,7 @@ def _failed(
         raise StepError(
             instance.name, time, "the FMU returns early again and again without reaching the end of the step"
         )
-    _, _, step, save, restore = _NAMES[instance.archive.fmi]
-    said = {
-        What.SETTING: "setting the inputs",
-        What.GETTING: "getting the outputs",
-        What.STEPPING: step,
-        What.DISCARDING: f"{step} (the step was discarded)",
-        What.SAVING: save,
-        What.RESTORING: restore,
-    }
-    fail(said[what], status)
+    names = NAMES[instance.archive.fmi]
+    if what == What.NOWHERE:
+        raise StepError(instance.name, time, no_time(names.step))
+    fail(names[what], status)

@@ -38,12 +38,11 @@ class Log:
         if Log.told is not None:
             Log.told(status, message)
 
-    def reason(self, what: str, status: int) -> str:
-        """Return what the FMU said about a failed call, and forget it."""
+    def said(self) -> str:
+        """Return what the FMU said about a call that failed, its last serious messages, and forget it."""
         serious = [text for kind, text in self.entries if kind >= DISCARD and text] or [t for _, t in self.entries if t]
         self.entries.clear()
-        kind = STATUS[status] if 0 <= status < len(STATUS) else str(status)
-        return "; ".join(dict.fromkeys(serious[-3:])) or f"{what} returned {kind} and said nothing"
+        return "; ".join(dict.fromkeys(serious[-3:]))
 
 
 class Library:

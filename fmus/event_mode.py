@@ -149,7 +149,7 @@ class EventFmu3(DiscreteFmu3):
         status = self._do_step(self._c, self.at, goal - self.at, False, *self._ending)
         self.time = self.at
         if self._polynomials and self._polynomials.failed:
-            self._fail("setting the inputs within a step", self._polynomials.status)
+            self._fail("fmi3SetFloat64 within a step", self._polynomials.status)
         if status == DISCARD:
             return status
         if status > WARNING:

@@ -88,7 +88,7 @@ class DiscreteFmu3(Fmu3):
         if part.arguments:
             self.u.take(part.places, out=part.values)
             if (status := self._set_float(*part.arguments)) > WARNING:
-                self._fail("setting the inputs", status)
+                self._fail("fmi3SetFloat64", status)
         if self._mode == STEP:
             self._pending |= not np.array_equal(self.u[self._held_at], self._held, equal_nan=True)
             return
@@ -106,7 +106,7 @@ class DiscreteFmu3(Fmu3):
         part = self._part(self.outputs, self.y_at)
         if part.arguments:
             if (status := self._get_float(*part.arguments)) > WARNING:
-                self._fail("getting the outputs", status)
+                self._fail("fmi3GetFloat64", status)
             self.y[part.places] = part.values
         for variable in self._other_outputs if self._mode != STEP else ():
             if self._open(variable):

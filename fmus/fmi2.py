@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cosim import Advance, ExportError, Variable, WiringError
-from cosim.clock import NS, seconds, tick_at_or_after
+from cosim.clock import NS, seconds
 
 from .binding import DISCARD, WARNING, callbacks2
 from .declared import References
@@ -65,7 +65,7 @@ class Fmu2(FmuInstance):
             byref(self._callbacks), False, False,
         )  # fmt: skip
         if not component:
-            raise ExportError(f"{self.archive.path} cannot be instantiated: {self.log.reason('it', 3)}")
+            raise ExportError(f"{self.archive.path} cannot be instantiated: {self.log.said() or 'it said nothing'}")
         self._do_step = self._function("fmi2DoStep")
         return int(component)
 
@@ -152,7 +152,7 @@ class Fmu2(FmuInstance):
         if status == DISCARD:
             reached, terminated = self._discarded_at()
             if terminated:
-                return Advance(tick_at_or_after(reached), early=reached < end / NS, terminated=True)
+                return Advance(self._tick(reached, "fmi2DoStep", t), early=reached < end / NS, terminated=True)
             return self._discarded("fmi2DoStep", start, end, reached, early_return)
         self._fail("fmi2DoStep", status)
 

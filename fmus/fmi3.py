@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cosim import Advance, ExportError, StepError, Variable, WiringError
-from cosim.clock import NS, seconds, tick_at_or_after
+from cosim.clock import NS, seconds
 
 from . import intermediate
 from .binding import DISCARD, WARNING, receive3
@@ -80,7 +80,7 @@ class Fmu3(FmuInstance):
             intermediate.update if asked else None,
         )  # fmt: skip
         if not component:
-            raise ExportError(f"{self.archive.path} cannot be instantiated: {self.log.reason('it', 3)}")
+            raise ExportError(f"{self.archive.path} cannot be instantiated: {self.log.said() or 'it said nothing'}")
         self._flags = (c_bool * 3)()  # event handling needed, terminate, early return
         self._reached = c_double()
         start = ctypes.addressof(self._flags)
@@ -179,7 +179,7 @@ class Fmu3(FmuInstance):
             self._polynomials.began = t
         status = self._do_step(self._c, t, seconds_between(start, end), False, *self._ending)
         if self._polynomials and self._polynomials.failed:
-            self._fail("setting the inputs within a step", self._polynomials.status)
+            self._fail("fmi3SetFloat64 within a step", self._polynomials.status)
         if status == 0 and not (self._flags[1] or self._flags[2]):
             return Advance(end)
         return self._unusual(status, start, end, early_return)
@@ -195,12 +195,12 @@ class Fmu3(FmuInstance):
                 self._fail("fmi3DoStep", status)
             reached = self._reached.value
             if self._flags[1]:
-                return Advance(tick_at_or_after(reached), early=reached < end / NS, terminated=True)
+                return Advance(self._tick(reached, "fmi3DoStep", t), early=reached < end / NS, terminated=True)
             if not self._flags[2]:
                 return Advance(end)
             if early_return:
-                self.time = reached
-                return Advance(min(max(tick_at_or_after(reached), start + 1), end), early=True)
+                tick, self.time = self._tick(reached, "fmi3DoStep", t), reached
+                return Advance(min(max(tick, start + 1), end), early=True)
             if reached >= end / NS:
                 return Advance(end)
             t = reached  # nobody wants to stop here: the rest of the same step

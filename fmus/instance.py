@@ -16,11 +16,11 @@ from typing import Any, NoReturn
 import numpy as np
 
 from cosim import Advance, Instance, StepError, Variable, WiringError
-from cosim.clock import NS
+from cosim.clock import NS, tick_at_or_after
 from cosim.compiled import Native
 
-from .addresses import native
-from .binding import DISCARD, FATAL, WARNING, Library, Log, register, unregister
+from .addresses import NAMES, NO_TIME, native, no_time
+from .binding import DISCARD, FATAL, STATUS, WARNING, Library, Log, register, unregister
 from .declared import References
 from .importer import Archive, library
 from .states import patched, place
@@ -85,7 +85,8 @@ class FmuInstance(Instance):
             self._fail(name, status)
 
     def _fail(self, what: str, status: int) -> NoReturn:
-        reason = self.log.reason(what, status)
+        returned = f"{what} returned {STATUS[status] if 0 <= status < len(STATUS) else status}"
+        said = self.log.said()
         if status == FATAL:  # the standard forbids every further call, even to free it, and the library stays
             self._c = self._library = None
             self._end_of_use("failed fatally")
@@ -95,8 +96,8 @@ class FmuInstance(Instance):
                 cure = "it does so however short the step is"
             elif self.can.rollback:
                 cure = "with retry such steps are repeated in shorter ones, as it can be taken back; else " + cure
-            reason = f"{reason}; {cure}"
-        raise StepError(self.name, self.time, reason)
+            said = f"{said or 'it said nothing'}; {cure}"
+        raise StepError(self.name, self.time, said or "it said nothing", returned)
 
     def _discarded(self, what: str, start: int, end: int, reached: float, early_return: bool) -> Advance:
         """Return where everybody is to be taken after a step that the FMU made only until *reached* (s), or raise."""
@@ -104,7 +105,13 @@ class FmuInstance(Instance):
             middle = start + (end - start) // 2
             tick = int(reached * NS + 1e-3) if math.isfinite(reached) else start
             return Advance(tick if start < tick < end else middle, early=True)
-        self._fail(f"{what} (the step was discarded)", DISCARD)
+        self._fail(what, DISCARD)
+
+    def _tick(self, reached: float, what: str, start: float) -> int:
+        """Return the first tick at or after what the FMU says it reached from *start*; raises StepError for no time."""
+        if not abs(reached) < NO_TIME:
+            raise StepError(self.name, start, no_time(what))
+        return tick_at_or_after(reached)
 
     def _transfer(self, variables: tuple[Variable, ...], values: np.ndarray) -> tuple[Any, ...]:
         references = [r for v in variables for r in self.archive.references[v.name].values]
@@ -166,14 +173,14 @@ class FmuInstance(Instance):
         if self._push:
             status = self._set_float(*self._push)
             if status > WARNING:
-                self._fail("setting the inputs", status)
+                self._fail(NAMES[self.archive.fmi].set, status)
 
     def pull(self) -> None:
         """Fill the buffer ``y`` from the FMU."""
         if self._pull:
             status = self._get_float(*self._pull)
             if status > WARNING:
-                self._fail("getting the outputs", status)
+                self._fail(NAMES[self.archive.fmi].get, status)
 
     def native(self) -> Native | None:
         """Return where the C functions are, for the compiled loop."""

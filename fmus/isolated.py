@@ -111,7 +111,7 @@ class IsolatedFmu(Instance):
             return result
         self.log.entries.clear()  # the error says them
         if isinstance(result, StepError):
-            raise StepError(self.name, result.time, result.reason)
+            raise StepError(self.name, result.time, result.reason, result.call)
         raise result
 
     def _ask(self, what: str, *arguments: Any) -> Any:

@@ -16,9 +16,11 @@ import fmus
 from cosim import Component, CosimError, Instance
 from cosim.algorithms import Algorithm
 from cosim.clock import seconds, ticks
+from cosim.compiled import refusal
 from cosim.consistent import Consistent
 from cosim.master import rewound
 from cosim.observer import RunInfo
+from cosim.scenario import RunSettings
 from cosim.structure import Loop, fed_through, loops, spelt
 from cosim.system import System
 from cosim.wiring import Connection, find
@@ -41,13 +43,18 @@ def scenario_facts(name: str, variant: str | None = None, changes: Sequence[str]
         return {
             "scenario": scenario.name, "variant": scenario.variant, "title": scenario.title,
             "algorithm": info.algorithm, "step": seconds(info.step_ns), "duration": seconds(info.stop_ns),
-            **system_facts(system, algorithm, info, assembly=assembly, locate_events=settings.locate_events),
+            **system_facts(system, algorithm, info, assembly=assembly, settings=settings),
             "notes": list(assembly.notes),
         }  # fmt: skip
 
 
 def system_facts(
-    system: System, algorithm: Algorithm, info: RunInfo, *, assembly: Assembly | None = None, locate_events: bool = True
+    system: System,
+    algorithm: Algorithm,
+    info: RunInfo,
+    *,
+    assembly: Assembly | None = None,
+    settings: RunSettings | None = None,
 ) -> Facts:
     """Return order, delays, loops, unconnected inputs, capabilities and what they allow."""
     return {
@@ -56,7 +63,7 @@ def system_facts(
         "loops": [loop_facts(system, algorithm, loop) for loop in loops(system)],
         "unconnected": unconnected_facts(system),
         "components": {name: component_facts(instance) for name, instance in system.instances.items()},
-        "allows": allowed(system, algorithm, info, locate_events=locate_events),
+        "allows": allowed(system, algorithm, info, settings),
     }
 
 
@@ -173,7 +180,7 @@ def _archive(instance: Instance) -> Any:
     return getattr(instance, "archive", None)
 
 
-def allowed(system: System, algorithm: Algorithm, info: RunInfo, *, locate_events: bool = True) -> list[Facts]:
+def allowed(system: System, algorithm: Algorithm, info: RunInfo, settings: RunSettings | None = None) -> list[Facts]:
     """Return what the capabilities allow the whole system to do: what, whether, and why or why not."""
     can = {name: i.can for name, i in system.instances.items()}
     trusted = algorithm.trusted if isinstance(algorithm, Consistent) else ()
@@ -183,7 +190,7 @@ def allowed(system: System, algorithm: Algorithm, info: RunInfo, *, locate_event
 
     unread = [name for name in lacking("get_after_set") if name not in trusted]
     return [
-        _events(system, algorithm, locate_events=locate_events),
+        _events(system, algorithm, locate_events=settings is None or settings.locate_events),
         _all("step control with error estimate, iterated coupling", lacking("rollback"),
              "every component can be taken back to the start of a step", "cannot be taken back to the start of a step",
              "steps stay fixed; the other algorithms remain"),
@@ -198,7 +205,7 @@ def allowed(system: System, algorithm: Algorithm, info: RunInfo, *, locate_event
              "finite differences stand in"),
         _all("the state of everything saved to bytes", lacking("serialize"),
              "every component's state can be turned into bytes and back", "cannot", "a run starts at its beginning"),
-        _compiled(system, algorithm, info),
+        _compiled(system, algorithm, info, wanted=None if settings is None else settings.compiled),
     ]  # fmt: skip
 
 
@@ -227,11 +234,14 @@ def _events(system: System, algorithm: Algorithm, *, locate_events: bool) -> Fac
     }
 
 
-def _compiled(system: System, algorithm: Algorithm, info: RunInfo) -> Facts:
-    from cosim.compiled import refusal
-
-    why = refusal(system, algorithm, info)
-    return {"what": "compiled loop, no Python per step", "possible": not why, "why": why or "every component is an FMU"}
+def _compiled(system: System, algorithm: Algorithm, info: RunInfo, *, wanted: bool | None) -> Facts:
+    what = "compiled loop, no Python per step"
+    if wanted is False:
+        return {"what": what, "possible": False, "why": "switched off: run.compiled = false"}
+    if why := refusal(system, algorithm, info):
+        instead = "the run is refused" if wanted else "the readable loop makes the same steps"
+        return {"what": what, "possible": False, "why": f"{why}; {instead}"}
+    return {"what": what, "possible": True, "why": "every component is an FMU; the bits are those of the readable loop"}
 
 
 def file_facts(files: Sequence[Path]) -> Facts:

@@ -155,6 +155,7 @@ def execute(
             observers=watching,
             locate_events=scenario.run.locate_events,
             tolerance=scenario.run.tolerance,
+            compiled=scenario.run.compiled,
         )
     except CosimError as error:
         if not len(record):

@@ -17,7 +17,7 @@ from typing import Any
 
 from cosim.cache import cache_folder
 
-SOURCE = Path(__file__).parent / "loop.c"
+SOURCE, HEADER = (Path(__file__).parent / name for name in ("loop.c", "loop.h"))
 # no contraction to fused multiply-add: the same numbers as NumPy's
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared")
 
@@ -36,7 +36,7 @@ def compiler() -> list[str] | None:
 def library() -> tuple[Any, str]:
     """Return the loaded library, or None and a clause that says why there is none."""
     windows = sys.platform == "win32"
-    about = repr((SOURCE.read_bytes(), FLAGS, platform.machine(), sys.platform))
+    about = repr((SOURCE.read_bytes(), HEADER.read_bytes(), FLAGS, platform.machine(), sys.platform))
     key = hashlib.sha256(about.encode()).hexdigest()[:12]
     path = cache_folder() / f"loop-{key}{'.dll' if windows else '.so'}"
     try:

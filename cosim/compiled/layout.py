@@ -1,4 +1,4 @@
-"""The structures of ``loop.c``, and a system written into them."""
+"""The structures of ``loop.h``, and a system written into them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .native import Native
 
 
 class CComponent(ctypes.Structure):
-    """``Component`` of ``loop.c``."""
+    """``Component`` of ``loop.h``."""
 
     _fields_ = (
         *((name, c_void_p) for name in ("instance", "set", "get", "step", "save", "restore")),
@@ -31,7 +31,7 @@ class CComponent(ctypes.Structure):
 
 
 class CLoop(ctypes.Structure):
-    """``Loop`` of ``loop.c``."""
+    """``Loop`` of ``loop.h``."""
 
     _fields_ = (
         ("components", c_void_p),

@@ -1,14 +1,11 @@
 /* Macro steps of FMUs with a fixed step, Jacobi or Gauss-Seidel: what master.py, attempt.py and algorithms.py do, without
  * Python.  Those are the specification: the same calls in the same order with the same bits.  A macro step in which
- * somebody returns early is taken back and left to them.  Compiled without contraction to fused multiply-add.
- *
- * The structures are those of layout.py. */
+ * somebody returns early is taken back and left to them.  Compiled without contraction to fused multiply-add. */
 
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "loop.h"
+
 #include <string.h>
 
 #ifdef _WIN32
@@ -23,61 +20,6 @@
 #define NS_SLACK 1e-3 /* of clock.py */
 #define CONTINUED 10000 /* early returns in one step that nobody asked for; more are no progress */
 #define CLOCK_EVERY 16 /* macro steps between two looks at the clock, where no step is told */
-
-enum { OK, WARNING, DISCARD };
-enum { LAST_SUCCESSFUL_TIME = 2, TERMINATED = 3 }; /* fmi2StatusKind */
-
-/* what a call of ours ended with */
-enum { FULL, EARLY, MET, ENDED, STRAY, FAILED };
-/* what failed */
-enum { SETTING, GETTING, STEPPING, DISCARDING, SAVING, RESTORING, CREEPING };
-
-typedef int (*Set2)(void *, const uint32_t *, size_t, const double *);
-typedef int (*Get2)(void *, const uint32_t *, size_t, double *);
-typedef int (*Set3)(void *, const uint32_t *, size_t, const double *, size_t);
-typedef int (*Get3)(void *, const uint32_t *, size_t, double *, size_t);
-typedef int (*Step2)(void *, double, double, int);
-typedef int (*Step3)(void *, double, double, bool, bool *, bool *, bool *, double *);
-typedef int (*Save)(void *, void **);
-typedef int (*Restore)(void *, void *);
-typedef int (*Boolean2)(void *, int, int *);
-typedef int (*Real2)(void *, int, double *);
-
-typedef void (*Function)(void); /* cast to what it is, by the version of FMI */
-
-typedef struct {
-    void *instance;
-    Function set, get, step, save, restore, boolean_status, real_status;
-    const uint32_t *u_references, *y_references;
-    double *u, *y;
-    const int64_t *targets, *sources; /* u[targets] = factor * values[sources] + offset */
-    const double *factor, *offset;    /* NULL: no wire converts */
-    int64_t n_u_references, n_y_references, n_u, n_y, n_wires;
-    int64_t fmi, every, rewound;
-    int64_t time;            /* ns */
-    int64_t kept_time;       /* where it was at the start of the macro step */
-    void *state;
-    double reached;
-    bool event, terminate, early;
-} Component;
-
-typedef struct {
-    Component *components;
-    const int64_t *order;  /* of the steps */
-    double *row, *values;  /* what everybody shows, and the part of it that holds the outputs */
-    double *kept;          /* the row at the start of the macro step; NULL: nobody is taken back */
-    int64_t *announced;    /* who announced an event at the end of the last macro step, in stepping order */
-    int64_t *starts, *ends; /* of the macro steps that were told; NULL: they are not told one by one */
-    double *walls, *rows;
-    int64_t n, n_row, jacobi, locating;
-    int64_t start, stop, step; /* ns */
-    int64_t k, now;            /* macro steps done, ns */
-    int64_t done;              /* by this call */
-    int64_t n_announced, terminated; /* -1: nobody */
-    int64_t component, what, status; /* of a failure */
-    int64_t reached;                 /* ns; where a step ended that was not to end there */
-    double time;                     /* s, of a failure */
-} Loop;
 
 static double clock_now(void)
 {
@@ -109,7 +51,7 @@ static double seconds(int64_t ns)
 
 #define NEVER INT64_MIN
 
-/* the first tick at or after a time in seconds; NEVER, where no step may end, for what is no time, as NaN */
+/* the first tick at or after a time in seconds; NEVER for what is no time, as NaN */
 static int64_t tick_at_or_after(double time)
 {
     double tick = time * NS - NS_SLACK;
@@ -171,11 +113,11 @@ static int step2(Loop *loop, int64_t i, int64_t end, Advance *advance)
     if (status != DISCARD)
         return failed(loop, i, STEPPING, status, t);
     if (((Boolean2)c->boolean_status)(c->instance, TERMINATED, &terminated) > WARNING || !terminated)
-        return failed(loop, i, DISCARDING, status, t);
+        return failed(loop, i, STEPPING, status, t);
     ((Real2)c->real_status)(c->instance, LAST_SUCCESSFUL_TIME, &reached);
     advance->reached = tick_at_or_after(reached);
     advance->terminated = true;
-    return OK;
+    return advance->reached == NEVER ? failed(loop, i, NOWHERE, status, t) : OK;
 }
 
 static int step3(Loop *loop, int64_t i, int64_t end, Advance *advance)
@@ -187,17 +129,19 @@ static int step3(Loop *loop, int64_t i, int64_t end, Advance *advance)
         int status =
             ((Step3)c->step)(c->instance, t, to - t, false, &c->event, &c->terminate, &c->early, &c->reached);
         if (status > WARNING)
-            return failed(loop, i, status == DISCARD ? DISCARDING : STEPPING, status, t);
+            return failed(loop, i, STEPPING, status, t);
         if (!c->terminate && !c->early)
             return OK;
         if (c->terminate) {
             advance->reached = tick_at_or_after(c->reached);
             advance->terminated = true;
-            return OK;
+            return advance->reached == NEVER ? failed(loop, i, NOWHERE, status, t) : OK;
         }
         if (loop->locating) {
             int64_t tick = tick_at_or_after(c->reached);
-            if (tick != NEVER && tick <= c->time)
+            if (tick == NEVER)
+                return failed(loop, i, NOWHERE, status, t);
+            if (tick <= c->time)
                 tick = c->time + 1;
             advance->reached = tick < end ? tick : end;
             advance->early = true;

@@ -27,7 +27,7 @@ EXACT = 1 << 53  # ns; up to there a tick is a float
 
 
 class _Why(IntEnum):
-    """Why a call ended, as in ``loop.c``."""
+    """Why a call ended, as in ``loop.h``."""
 
     FULL = 0
     EARLY = 1

@@ -9,15 +9,15 @@ from typing import Any, NoReturn
 
 
 class What(IntEnum):
-    """Which call failed; as in ``loop.c``."""
+    """Which call failed, or what was wrong with a step; as in ``loop.h``."""
 
     SETTING = 0
     GETTING = 1
     STEPPING = 2
-    DISCARDING = 3
-    SAVING = 4
-    RESTORING = 5
-    CREEPING = 6
+    SAVING = 3
+    RESTORING = 4
+    CREEPING = 5  # it returns early again and again
+    NOWHERE = 6  # it says that it reached what is no time
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ NO_HARM = "only its own process is gone: look at the inputs it was given last, o
 ENDS = [
     ("none", {}, 1.0, None),
     ("none", PROCESS, 1.0, None),
-    ("fail", {}, 0.5, "odd failed at t = 0.5 s: the valve is stuck"),
-    ("fail", PROCESS, 0.5, "odd failed at t = 0.5 s: the valve is stuck"),
+    ("fail", {}, 0.5, "odd failed at t = 0.5 s: the valve is stuck (fmi{fmi}DoStep returned error, step 6)"),
+    ("fail", PROCESS, 0.5, "odd failed at t = 0.5 s: the valve is stuck (fmi{fmi}DoStep returned error, step 6)"),
     ("fatal", {}, 0.5, "odd failed at t = 0.5 s: the heap is broken"),
     ("fatal", PROCESS, 0.5, "odd failed at t = 0.5 s: the heap is broken"),
     (
@@ -48,13 +48,13 @@ ENDS = [
     ("end", PROCESS, 0.5, None),
     (
         "discard all", {}, 0.5,
-        "odd failed at t = 0.5 s: fmi{fmi}DoStep (the step was discarded) returned discard and said nothing; with "
-        "retry such steps are repeated in shorter ones, as it can be taken back; else use a shorter macro step",
+        "odd failed at t = 0.5 s: it said nothing; with retry such steps are repeated in shorter ones, as it can be "
+        "taken back; else use a shorter macro step (fmi{fmi}DoStep returned discard, step 6)",
     ),
     (
         "discard all", dict(retry=True), 0.5,
-        "odd failed at t = 0.5 s: fmi{fmi}DoStep (the step was discarded) returned discard and said nothing; it does "
-        "so however short the step is",
+        "odd failed at t = 0.5 s: it said nothing; it does so however short the step is (fmi{fmi}DoStep returned "
+        "discard, step 6)",
     ),
     ("nan", {}, 0.5, "mass failed at t = 0.5 s: input F is nan at t = 0.5 s"),
     ("nan", PROCESS, 0.5, "mass failed at t = 0.5 s: input F is nan at t = 0.5 s"),

@@ -83,9 +83,9 @@ def test_a_run_that_fails_keeps_its_log_and_is_marked(tmp_path: Path) -> None:
     path = tmp_path / "failed.rrd"
     with pytest.raises(StepError):
         run(System({"a": part}, {}), Jacobi(), step=MS, stop=9 * MS, observers=[RerunRecorder(path, "x")])
-    assert properties(path)["outcome"] == {"status": "failed", "error": "a failed at t = 0.003 s: stuck"}
+    assert properties(path)["outcome"] == {"status": "failed", "error": "a failed at t = 0.003 s: stuck (step 4)"}
     assert signals(path)["a.y"].ns.tolist() == [0, MS, 2 * MS, 3 * MS]
-    assert (3 * MS, "a failed at t = 0.003 s: stuck") in texts(path, "/log/**")
+    assert (3 * MS, "a failed at t = 0.003 s: stuck (step 4)") in texts(path, "/log/**")
 
 
 def test_an_interrupt_is_no_failure(tmp_path: Path) -> None:

@@ -137,7 +137,7 @@ def test_a_failure_keeps_what_was_accepted_and_names_component_and_time() -> Non
     journal, record = Journal(), Record()
     with pytest.raises(StepError) as caught:
         run(System(parts, {}), Jacobi(), step=MS, stop=5 * MS, observers=[journal, record])
-    assert str(caught.value) == "broken failed at t = 0.002 s: ValueError: no such gear"
+    assert str(caught.value) == "broken failed at t = 0.002 s: ValueError: no such gear (step 3)"
     assert (caught.value.component, caught.value.time) == ("broken", 0.002)
     assert journal.entries[-2:] == [("accepted", 2, MS, 2 * MS), ("failed", str(caught.value))]
     assert record.time_ns.tolist() == [0, MS, 2 * MS]
@@ -159,7 +159,7 @@ def test_the_component_of_a_step_error_is_its_name_in_the_system() -> None:
     instance.u[0] = np.nan
     with pytest.raises(StepError) as caught:
         run(system, Jacobi(), step=MS, stop=MS)
-    assert str(caught.value) == "root failed at t = 0 s: input u is nan"
+    assert str(caught.value) == "root failed at t = 0 s: input u is nan (step 1)"
 
 
 def test_an_observer_that_fails_stops_the_run_and_the_others_hear_of_it() -> None:

@@ -279,7 +279,7 @@ def test_the_event_before_a_failure_is_told() -> None:
     assert journal.entries[-3:] == [
         ("accepted", 1, 0, 10),
         ("event", 10, "a"),
-        ("failed", "a failed at t = 1e-08 s: ValueError: torn"),
+        ("failed", "a failed at t = 1e-08 s: ValueError: torn (step 2)"),
     ]
 
 

@@ -62,7 +62,7 @@ def test_what_failed_says_so() -> None:
     record = Record()
     with pytest.raises(Exception, match="stuck"):
         run(system, Jacobi(), step=1000, stop=3000, observers=[record])
-    assert record.to_xarray().attrs["failed"] == "a failed at t = 1e-06 s: ValueError: stuck"
+    assert record.to_xarray().attrs["failed"] == "a failed at t = 1e-06 s: ValueError: stuck (step 2)"
     np.testing.assert_array_equal(record["a.k"], [0, 5])
 
 
