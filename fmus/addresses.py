@@ -79,7 +79,7 @@ def _failed(
     instance.time = time
     if what == What.CREEPING:
         raise StepError(
-            instance.name, time, "the FMU returns early again and again without reaching the end of the step"
+            instance.name, time, "fmi3DoStep returns early again and again without reaching the end of the step"
         )
     names = NAMES[instance.archive.fmi]
     if what == What.NOWHERE:

@@ -205,7 +205,7 @@ class Fmu3(FmuInstance):
                 return Advance(end)
             t = reached  # nobody wants to stop here: the rest of the same step
             status = self._do_step(self._c, t, end / NS - t, False, *self._ending)
-        raise StepError(self.name, t, "the FMU returns early again and again without reaching the end of the step")
+        raise StepError(self.name, t, "fmi3DoStep returns early again and again without reaching the end of the step")
 
     def _end(self) -> None:
         if self._initialized:

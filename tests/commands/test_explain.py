@@ -233,7 +233,18 @@ def test_who_prevents_what_is_named() -> None:
     assert found["events located, everybody brought to the instant"] == (
         False, "no component announces events, so there are none to locate",
     )  # fmt: skip
-    assert not found["compiled loop, no Python per step"][0]
+    assert found["compiled loop, no Python per step"] == (
+        False,
+        "good is no FMU that is stepped by its C functions alone; the readable loop makes the same steps",
+    )
+
+
+def test_the_loop_that_was_asked_for_is_told(tmp_path: Path) -> None:
+    for wanted, why in (("false", "switched off: run.compiled = false"), ("true", "every component is an FMU; ")):
+        facts = explanation.scenario_facts(str(ring(tmp_path)), changes=[f"run.compiled={wanted}"])
+        (found,) = (a for a in facts["allows"] if a["what"] == "compiled loop, no Python per step")
+        assert found["possible"] == (wanted == "true")
+        assert found["why"].startswith(why)
 
 
 def test_events_that_cannot_be_located_say_why() -> None:

@@ -8,7 +8,8 @@
 #include <signal.h>
 
 enum { NONE, FAIL, FATALLY, HANG, CRASH, ABORT, EXIT, DISCARD, END, NOT_A_NUMBER, CHATTY, HANG_AT_THE_END, CRASH_AT_THE_START,
-       CRASH_IN_GET, DISCARD_ALL, KEEP_ON_RESET, THREAD_KEY };
+       CRASH_IN_GET, DISCARD_ALL, KEEP_ON_RESET, THREAD_KEY, REFUSE_INPUTS, REFUSE_OUTPUTS, END_NOWHERE, END_BEFORE,
+       RETURN_NOWHERE, CREEP, FAIL_TO_SAVE, FAIL_TO_RESTORE };
 
 typedef struct {
     double x, u, y, at, longest, reached;
@@ -89,7 +90,7 @@ static Status finish(Odd *o)
     return STATUS(OK);
 }
 
-static Status step(Odd *o, double t, double h, int *terminate)
+static Status step(Odd *o, double t, double h, int *terminate, int *early)
 {
     int now = t + h > o->at * (1 + 1e-12);
     o->reached = t;
@@ -108,6 +109,11 @@ static Status step(Odd *o, double t, double h, int *terminate)
         case ABORT: fputs("odd.c: assertion x > 0 failed\n", stderr); abort();
         case EXIT: exit(3);
         case END: o->reached = o->at; *terminate = 1; return STATUS(OK);
+        case END_NOWHERE: o->reached = NAN; *terminate = 1; return STATUS(OK);
+        case END_BEFORE: o->reached = t - 0.05; *terminate = 1; return STATUS(OK);
+        case RETURN_NOWHERE: o->reached = NAN; *early = 1; return STATUS(OK);
+        case CREEP: *early = 1; return STATUS(OK);
+        case FAIL_TO_RESTORE: o->reached = t + h / 2; *early = 1; return STATUS(OK);
         case NOT_A_NUMBER: o->x = NAN; break;
         case DISCARD_ALL: return STATUS(Discard);
         default: break;
@@ -119,6 +125,21 @@ static Status step(Odd *o, double t, double h, int *terminate)
     o->y = o->x;
     o->reached = t + h;
     return STATUS(OK);
+}
+
+/* whether the oddity has begun: from the communication point "at" on, or behind it */
+static int begun(const Odd *o, int oddity)
+{
+    return o->oddity == oddity && o->reached > o->at * (1 - 1e-12);
+}
+
+static Status refusal(Odd *o, int oddity)
+{
+    if (!begun(o, oddity))
+        return STATUS(OK);
+    if (oddity == REFUSE_INPUTS)
+        say(o, STATUS(Error), "the input is out of range");
+    return STATUS(Error);
 }
 
 static double *place(Odd *o, unsigned reference)
@@ -145,23 +166,23 @@ Status fmi2GetReal(Handle c, const fmi2ValueReference r[], size_t n, fmi2Real v[
 {
     for (size_t i = 0; i < n; i++)
         v[i] = *place(c, r[i]);
-    return fmi2OK;
+    return refusal(c, REFUSE_OUTPUTS);
 }
 Status fmi2SetReal(Handle c, const fmi2ValueReference r[], size_t n, const fmi2Real v[])
 {
     for (size_t i = 0; i < n; i++)
         *place(c, r[i]) = v[i];
-    return fmi2OK;
+    return refusal(c, REFUSE_INPUTS);
 }
 Status fmi2GetInteger(Handle c, const fmi2ValueReference r[], size_t n, fmi2Integer v[]) { v[0] = ((Odd *)c)->oddity; return fmi2OK; }
 Status fmi2SetInteger(Handle c, const fmi2ValueReference r[], size_t n, const fmi2Integer v[]) { ((Odd *)c)->oddity = v[0]; return fmi2OK; }
 Status fmi2DoStep(Handle c, fmi2Real t, fmi2Real h, fmi2Boolean no)
 {
-    int terminate = 0;
-    Status status = step(c, t, h, &terminate);
+    int terminate = 0, early = 0;
+    Status status = step(c, t, h, &terminate, &early);
     return terminate ? fmi2Discard : status;
 }
-Status fmi2GetBooleanStatus(Handle c, const fmi2StatusKind k, fmi2Boolean *v) { *v = ((Odd *)c)->oddity == END; return fmi2OK; }
+Status fmi2GetBooleanStatus(Handle c, const fmi2StatusKind k, fmi2Boolean *v) { int o = ((Odd *)c)->oddity; *v = o == END || o == END_NOWHERE || o == END_BEFORE; return fmi2OK; }
 Status fmi2GetRealStatus(Handle c, const fmi2StatusKind k, fmi2Real *v) { *v = ((Odd *)c)->reached; return fmi2OK; }
 #define STATE fmi2FMUstate
 #define GET_STATE fmi2GetFMUstate
@@ -179,21 +200,22 @@ Status fmi3GetFloat64(Handle i, const fmi3ValueReference r[], size_t n, fmi3Floa
 {
     for (size_t k = 0; k < n; k++)
         v[k] = *place(i, r[k]);
-    return fmi3OK;
+    return refusal(i, REFUSE_OUTPUTS);
 }
 Status fmi3SetFloat64(Handle i, const fmi3ValueReference r[], size_t n, const fmi3Float64 v[], size_t m)
 {
     for (size_t k = 0; k < n; k++)
         *place(i, r[k]) = v[k];
-    return fmi3OK;
+    return refusal(i, REFUSE_INPUTS);
 }
 Status fmi3GetInt32(Handle i, const fmi3ValueReference r[], size_t n, fmi3Int32 v[], size_t m) { v[0] = ((Odd *)i)->oddity; return fmi3OK; }
 Status fmi3SetInt32(Handle i, const fmi3ValueReference r[], size_t n, const fmi3Int32 v[], size_t m) { ((Odd *)i)->oddity = v[0]; return fmi3OK; }
 Status fmi3DoStep(Handle i, fmi3Float64 t, fmi3Float64 h, fmi3Boolean no, fmi3Boolean *event, fmi3Boolean *end, fmi3Boolean *early, fmi3Float64 *last)
 {
-    int terminate = 0;
-    Status status = step(i, t, h, &terminate);
-    *event = *early = false;
+    int terminate = 0, returned = 0;
+    Status status = step(i, t, h, &terminate, &returned);
+    *event = false;
+    *early = returned;
     *end = terminate;
     *last = ((Odd *)i)->reached;
     return status;
@@ -213,7 +235,12 @@ Status GET_STATE(Handle c, STATE *s)
     if (!*s)
         *s = malloc(sizeof(Odd));
     memcpy(*s, c, sizeof(Odd));
-    return STATUS(OK);
+    return refusal(c, FAIL_TO_SAVE);
 }
-Status SET_STATE(Handle c, STATE s) { memcpy(c, s, sizeof(Odd)); return STATUS(OK); }
+Status SET_STATE(Handle c, STATE s)
+{
+    Status status = refusal(c, FAIL_TO_RESTORE);
+    memcpy(c, s, sizeof(Odd));
+    return status;
+}
 Status FREE_STATE(Handle c, STATE *s) { free(*s); *s = NULL; return STATUS(OK); }
