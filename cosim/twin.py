@@ -12,7 +12,6 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
 
 from .clock import NS, seconds, tick_at_or_after
 from .component import Component, table_rows, table_text
@@ -195,6 +194,8 @@ class PythonInstance(Instance):
 
     def _integrate(self, t: float, stop: float) -> tuple[float, np.ndarray | None]:
         """Integrate to *stop* or just past the first event; return the time and the directions crossed."""
+        from scipy.integrate import DOP853  # takes most of a second, which no process that only steps FMUs should wait
+
         scale = np.maximum(self.eq.nominal, 1e-300) * self.tolerance
         # Past an event a large step would miss that an indicator goes back and crosses again, as a ball's on a floor.
         first = min(AFTER_EVENT, stop - t) if self.after_event else None

@@ -10,6 +10,7 @@ import mmap
 import os
 import pickle
 import struct
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -58,12 +59,14 @@ class Channel:
     def __init__(self, descriptor: int) -> None:
         self.descriptor = descriptor
         self._read = b""
+        self._sending = Lock()  # an FMU may send messages from threads of its own
 
     def send(self, kind: int, content: bytes) -> None:
         """Send a message; raises OSError if the other process is gone."""
         data = _HEAD.pack(len(content), kind) + content
-        while data:
-            data = data[os.write(self.descriptor, data) :]
+        with self._sending:
+            while data:
+                data = data[os.write(self.descriptor, data) :]
 
     def tell(self, kind: int, *content: Any) -> None:
         """Send a message whose content is a tuple."""

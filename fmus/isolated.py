@@ -8,15 +8,10 @@ from __future__ import annotations
 
 import os
 import pickle
-import select
-import signal
-import socket
-import subprocess
 import sys
-import tempfile
 import warnings
 from collections.abc import Iterable
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -25,8 +20,9 @@ from cosim.clock import seconds
 from cosim.instance import Update
 
 from .binding import Log
-from .channel import CALL, DONE, MESSAGE, STEP, STEP_FORMAT, STEPPED, STEPPED_FORMAT, Channel, Memory
+from .channel import CALL, DONE, STEP, STEP_FORMAT, STEPPED, STEPPED_FORMAT
 from .importer import Archive, is_discrete, library
+from .process import Gone, Process
 
 START_LIMIT = 60.0  # s, for the process itself to start
 CLOSE_LIMIT = 10.0  # s, for an FMU without a time limit to end
@@ -45,65 +41,42 @@ class IsolatedFmu(Instance):
         self.log, self.time = Log(), 0.0
         if self.can.event_mode:
             self.discrete = frozenset(name for name, v in archive.variables.items() if is_discrete(v))
-        self._why, self._busy = "", False
         self._forgotten: list[int] = []
         self._pushed = self._fresh = False  # u is in the memory, but not in the FMU; y in the memory is the FMU's
         if os.name != "posix":
             raise ExportError(f"{archive.path} cannot run in a process of its own here: that needs Linux or macOS")
         library(archive)  # there is one for this machine
-        self._start()
+        self._process = Process(archive.path.name, len(self.u), len(self.y), self.log)
+        self._memory = self._process.memory
         try:
             self._answer(START_LIMIT)
             self._send(CALL, pickle.dumps((archive, self.name, len(self.u), len(self.y)), -1))
             self._answer(time_limit)
-        except StepError as error:
-            raise ExportError(f"{archive.path} cannot be instantiated: {error.reason}") from None
-        except BaseException:
-            self._end()
+        except BaseException as error:
+            self._process.end("could not be instantiated")
+            if isinstance(error, StepError):
+                raise ExportError(f"{archive.path} cannot be instantiated: {error.reason}") from None
             raise
 
     # the other process
 
-    def _start(self) -> None:
-        self._last_words = tempfile.TemporaryFile()  # noqa: SIM115
-        self._socket, theirs = socket.socketpair()
-        self._channel = Channel(self._socket.fileno())
-        with theirs, tempfile.TemporaryFile() as file:
-            self._memory = Memory(file.fileno(), len(self.u), len(self.y))
-            descriptors = (theirs.fileno(), file.fileno())
-            command = [sys.executable, "-m", "fmus.worker", *map(str, descriptors), str(os.getpid())]
-            environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p or os.getcwd() for p in sys.path)}
-            self._process = subprocess.Popen(
-                command, pass_fds=descriptors, env=environment, stdin=subprocess.DEVNULL, stderr=self._last_words
-            )
-        self._arrived = select.poll()
-        self._arrived.register(self._socket.fileno(), select.POLLIN)
+    def _usable(self) -> None:
+        if why := self._process.unusable:
+            raise WiringError(f"{self.name} {why} and cannot be used any more")
 
     def _send(self, kind: int, content: bytes) -> None:
         self._usable()
-        self._busy = True  # until it is answered: an interrupt in between leaves a process that nobody understands
         try:
-            self._channel.send(kind, content)
-        except OSError:
-            self._died()
-
-    def _usable(self) -> None:
-        if self._why:
-            raise WiringError(f"{self.name} {self._why} and cannot be used any more")
+            self._process.send(kind, content)
+        except Gone as gone:
+            raise StepError(self.name, self.time, str(gone)) from None
 
     def _answer(self, limit: float | None) -> Any:
-        """Return what the process answers, and its time; keep the FMU's messages that come before."""
-        while True:
-            if not self._channel.waiting and not self._arrived.poll(None if limit is None else 1000 * limit):
-                self._hangs(limit)
-            try:
-                kind, content = self._channel.receive()
-            except (EOFError, OSError):
-                self._died()
-            if kind != MESSAGE:
-                break
-            self.log.add(*pickle.loads(content))
-        self._busy = False
+        """Return what the process answers, and take over the time it says."""
+        try:
+            kind, content = self._process.answer(limit)
+        except Gone as gone:
+            raise StepError(self.name, self.time, str(gone)) from None
         if kind == STEPPED:
             return STEPPED_FORMAT.unpack(content)[0]
         result, self.time = pickle.loads(content)
@@ -122,54 +95,6 @@ class IsolatedFmu(Instance):
         self._fresh = False
         self._send(CALL, pickle.dumps((what, self.name, *arguments), -1))
         return self._answer(self.time_limit)
-
-    def _died(self) -> NoReturn:
-        """Say how the process ended."""
-        function = self._memory.function
-        code = self._process.wait()
-        self._end()
-        where = f" in {function}" if function else ""
-        if code < 0:
-            name = signal.Signals(-code).name
-            what = f"it crashed{where}: {name} ({(signal.strsignal(-code) or name).lower()})"
-        else:
-            what = f"it ended its own process{where} with exit code {code}"
-        said = self._said()
-        raise StepError(
-            self.name,
-            self.time,
-            f"{what}{f'; before, it said: {said}' if said else ''}; only its own process is gone: look at the inputs "
-            f"it was given last, or ask who made {self.archive.path.name}",
-        )
-
-    def _hangs(self, limit: float | None) -> NoReturn:
-        function = self._memory.function or "its process"
-        self._end()
-        said = self._said()
-        raise StepError(
-            self.name,
-            self.time,
-            f"{function} did not return within the time limit of {limit:g} s and was ended"
-            f"{f'; before, it said: {said}' if said else ''}; if it only needs longer, raise time_limit, else look at "
-            f"the inputs it was given last",
-        )
-
-    def _said(self) -> str:
-        """Return the FMU's last serious messages and the last line it wrote to its standard error."""
-        serious = [text for status, text in self.log.entries if text][-3:]
-        return "; ".join(dict.fromkeys([*serious, *self._written.splitlines()[-1:]]))
-
-    def _end(self, why: str = "has lost its process") -> None:
-        if self._why:
-            return
-        self._why = why
-        self._process.kill()
-        self._process.wait()
-        self._socket.close()
-        self._memory.close()
-        self._last_words.seek(0)
-        self._written = self._last_words.read()[-2000:].decode(errors="replace").strip()
-        self._last_words.close()
 
     # values
 
@@ -266,7 +191,7 @@ class IsolatedFmu(Instance):
     @property
     def alive(self) -> bool:
         """Whether it can still be used."""
-        return not self._why
+        return not self._process.unusable
 
     def reset(self) -> None:
         """Set the FMU back to what it was when it was instantiated."""
@@ -276,20 +201,21 @@ class IsolatedFmu(Instance):
 
     def close(self) -> None:
         """Terminate and free the instance and end its process; a second time nothing happens."""
-        if self._why:
-            return
+        limit = self.time_limit or CLOSE_LIMIT
         try:
-            if not self._busy:
+            if self.alive:
                 self._pushed = False
                 self._send(CALL, pickle.dumps(("close", self.name), -1))
-                self._answer(self.time_limit or CLOSE_LIMIT)
-        except StepError as error:  # the run is over, and what it computed is not to be lost by this
-            warnings.warn(f"while it was closed, {error}", RuntimeWarning, stacklevel=2)
+                self._answer(limit)
+                self._process.finish(limit)
+        except (StepError, Gone) as error:  # the run is over, and what it computed is not to be lost by this
+            what = error if isinstance(error, StepError) else StepError(self.name, self.time, str(error))
+            warnings.warn(f"while it was closed, {what}", RuntimeWarning, stacklevel=2)
         finally:
-            self._end("was closed")
+            self._process.end("was closed")
 
     def __del__(self) -> None:
-        if not getattr(self, "_why", "never began") and not sys.is_finalizing():
+        if hasattr(self, "_process") and not sys.is_finalizing():
             self.close()
 
     # rollback

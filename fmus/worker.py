@@ -9,6 +9,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from cosim import CosimError
@@ -30,6 +31,8 @@ from .channel import (
 from .instance import FmuInstance
 from .loading import in_this_process
 
+MOST_WORDS = 8192  # blocks of 512 bytes that may be written to the standard error, whose last line counts
+
 
 class Worker:
     """An FMU and the snapshots taken of it, by number."""
@@ -38,7 +41,7 @@ class Worker:
         self.instance, self.memory = instance, memory
         instance.bind(memory.u, memory.y)
         self._snapshots: dict[int, Any] = {}
-        self._taken = 0
+        self._taken, self.closed = 0, False
 
     def answer(self, kind: int, content: bytes) -> tuple[int, bytes]:
         """Do what the importer asks for and return the answer."""
@@ -58,6 +61,10 @@ class Worker:
         except CosimError:
             return STEPPED, STEPPED_FORMAT.pack(False)  # it is asked for again, and fails then
         return STEPPED, STEPPED_FORMAT.pack(True)
+
+    def _close(self) -> None:
+        self.closed = True
+        self.instance.close()
 
     def _event(self, what: str, *arguments: Any) -> tuple[Any, frozenset[str]]:
         return getattr(self.instance, what)(*arguments), self.instance.active
@@ -82,25 +89,31 @@ class Worker:
         return self.instance.serialize(self._snapshots[number])
 
 
-def _die_with(descriptor: int, parent: int) -> None:
-    """End this process when the importer is gone, also in the midst of a call."""
+def _watch(descriptor: int, parent: int) -> None:
+    """End this process and what it has started when the importer is gone, also in the midst of a call."""
     gone = select.poll()
     gone.register(descriptor, 0)  # nothing but the hang-up
     while not gone.poll(1000) and os.getppid() == parent:
-        pass
-    os._exit(1)
+        with suppress(OSError):  # an FMU may have closed it
+            if os.fstat(sys.stderr.fileno()).st_blocks > MOST_WORDS:
+                os.ftruncate(sys.stderr.fileno(), 0)
+    os.killpg(0, signal.SIGKILL)
 
 
 def _marked(memory: Memory) -> Callable[[str, Callable[..., Any]], Callable[..., Any]]:
     """Return what puts around a C function that its name stands in the memory while it is called."""
+    running = NOWHERE  # an FMU may call back, and be called from there
 
     def around(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
         label = name.encode().ljust(len(NOWHERE))
 
         def call(*arguments: Any) -> Any:
+            nonlocal running
+            outer, running = running, label
             memory.mark(label)
             result = function(*arguments)
-            memory.mark(NOWHERE)
+            memory.mark(outer)
+            running = outer
             return result
 
         return call
@@ -119,9 +132,8 @@ def _instance(channel: Channel, descriptor: int) -> Worker:
 
 
 def serve(channel: Channel, descriptor: int, parent: int) -> None:
-    """Instantiate the FMU, then answer until there is nobody who asks."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the importer, which decides what becomes of us
-    threading.Thread(target=_die_with, args=(channel.descriptor, parent), daemon=True).start()
+    """Instantiate the FMU, then answer until it is closed or nobody asks any more."""
+    threading.Thread(target=_watch, args=(channel.descriptor, parent), daemon=True).start()
     channel.tell(DONE, None, 0.0)  # started
     worker: Worker | None = None
     while True:
@@ -136,7 +148,7 @@ def serve(channel: Channel, descriptor: int, parent: int) -> None:
             channel.tell(FAILED, error, worker.instance.time if worker else 0.0)
         except Exception as error:
             channel.tell(FAILED, RuntimeError(f"{type(error).__name__}: {error}"), 0.0)
-        if worker is None:
+        if worker is None or worker.closed:
             return
 
 

@@ -9,7 +9,7 @@
 
 enum { NONE, FAIL, FATALLY, HANG, CRASH, ABORT, EXIT, DISCARD, END, NOT_A_NUMBER, CHATTY, HANG_AT_THE_END, CRASH_AT_THE_START,
        CRASH_IN_GET, DISCARD_ALL, KEEP_ON_RESET, THREAD_KEY, REFUSE_INPUTS, REFUSE_OUTPUTS, END_NOWHERE, END_BEFORE,
-       RETURN_NOWHERE, CREEP, FAIL_TO_SAVE, FAIL_TO_RESTORE };
+       RETURN_NOWHERE, CREEP, FAIL_TO_SAVE, FAIL_TO_RESTORE, TALK, START_A_TOOL, WRITE_A_LOT, STIFF };
 
 typedef struct {
     double x, u, y, at, longest, reached;
@@ -90,6 +90,24 @@ static Status finish(Odd *o)
     return STATUS(OK);
 }
 
+/* a process of its own, as FMUs that need their tool start one; says its number, and never comes back */
+static void start_a_tool(Odd *o)
+{
+    char text[40];
+    int tool = fork();
+    if (!tool)
+        for (;;) sleep(1);
+    snprintf(text, sizeof text, "tool %d", tool);
+    say(o, STATUS(Warning), text);
+    for (;;) usleep(1000);
+}
+
+static void write_a_lot(void)
+{
+    for (int i = 0; i < 100000; i++)
+        fprintf(stderr, "%063d\n", i);
+}
+
 static Status step(Odd *o, double t, double h, int *terminate, int *early)
 {
     int now = t + h > o->at * (1 + 1e-12);
@@ -115,13 +133,16 @@ static Status step(Odd *o, double t, double h, int *terminate, int *early)
         case CREEP: *early = 1; return STATUS(OK);
         case FAIL_TO_RESTORE: o->reached = t + h / 2; *early = 1; return STATUS(OK);
         case NOT_A_NUMBER: o->x = NAN; break;
+        case TALK: for (;;) say(o, STATUS(Warning), "one moment, please");
+        case START_A_TOOL: start_a_tool(o); break;
+        case WRITE_A_LOT: write_a_lot(); break;
         case DISCARD_ALL: return STATUS(Discard);
         default: break;
         }
     if (o->oddity == CHATTY)
         for (int i = 0; i < 1000; i++)
             say(o, STATUS(Warning), "here I am");
-    o->x += h * o->u;
+    o->x += h * (o->oddity == STIFF ? 1e80 * (o->u - o->x) : o->u); /* explicit Euler: for h < 2e-80 s */
     o->y = o->x;
     o->reached = t + h;
     return STATUS(OK);

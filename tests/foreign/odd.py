@@ -13,6 +13,7 @@ ODDITIES = (
     "none", "fail", "fatal", "hang", "crash", "abort", "exit", "discard", "end", "nan", "chatty", "hang at the end",
     "crash at the start", "crash in get", "discard all", "keep on reset", "thread key", "refuse inputs",
     "refuse outputs", "end nowhere", "end before", "return nowhere", "creep", "fail to save", "fail to restore",
+    "talk", "start a tool", "write a lot", "stiff",
 )  # fmt: skip
 FMI2 = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Odd" guid="{{odd}}">

@@ -2,12 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-import textwrap
-import time
 import zipfile
 from functools import partial
 from pathlib import Path
@@ -15,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from odd import ODDITIES, odd
+from odd import odd
 from toys import Mass
 
 import fmus
-from cosim import ExportError, Instance, ScenarioError, StepError, WiringError
+from cosim import ExportError, Instance, ScenarioError, WiringError
 from cosim.clock import NS
 from fmus import FmuInstance, IsolatedFmu
 from plants.wheel_deformation import WheelDeformation
@@ -163,6 +157,14 @@ def test_an_fmu_that_needs_its_tool(fmi: int, tmp_path: Path) -> None:
     instance.close()
 
 
+def test_what_lies_in_the_working_folder_is_not_imported(
+    odd_fmus: dict[int, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "pickle.py").write_text("raise SystemExit('somebody else's pickle')")
+    monkeypatch.chdir(tmp_path)
+    fmus.load(odd_fmus[2], isolated=True).close()
+
+
 def test_a_time_limit_needs_a_process(fmi: int, odd_fmus: dict[int, Path]) -> None:
     with pytest.raises(ExportError, match="can have a time limit only in a process of its own"):
         fmus.load(odd_fmus[fmi], isolated=False, time_limit=1.0)
@@ -186,87 +188,3 @@ def test_what_cannot_be_instantiated_is_said(fmi: int, tmp_path: Path) -> None:
 def test_a_scenario_with_something_else(key: str) -> None:
     with pytest.raises(ScenarioError, match=rf"components\.wheels\.{key}"):
         find_scenario("ramp-impact").load(None, [{"components": {"wheels": {key: "maybe"}}}])
-
-
-# nothing is left
-
-IMPORTER = """
-import sys
-import fmus
-instance = fmus.load(sys.argv[1], "odd", isolated=True)
-instance.set("oddity", int(sys.argv[2]))
-instance.enter_initialization()
-instance.exit_initialization()
-print(instance.pid, flush=True)
-if int(sys.argv[2]):
-    instance.step(0, 10**9)
-sys.stdin.read()
-"""
-
-
-def gone(pid: int) -> bool:
-    """Whether a process is gone, or is after five seconds."""
-    for _ in range(100):
-        try:
-            status = Path(f"/proc/{pid}/stat").read_text().rsplit(") ", 1)[1]
-        except OSError:
-            return True
-        if status.startswith("Z"):
-            return True
-        time.sleep(0.05)
-    return False
-
-
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc to see other processes")
-@pytest.mark.parametrize("oddity", ["none", "hang"])
-def test_it_dies_with_its_importer(oddity: str, odd_fmus: dict[int, Path], tmp_path: Path) -> None:
-    """Also in the midst of a call that does not return, and however the importer is killed."""
-    script = tmp_path / "importer.py"
-    script.write_text(textwrap.dedent(IMPORTER))
-    arguments = [sys.executable, script, odd_fmus[3], str(ODDITIES.index(oddity))]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    with subprocess.Popen(arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment) as importer:
-        assert importer.stdout is not None
-        worker = int(importer.stdout.readline())
-        assert Path(f"/proc/{worker}").exists()
-        time.sleep(0.2)  # it is in the call by now
-        importer.kill()
-    assert gone(worker)
-
-
-def test_an_interrupt_ends_a_call_that_does_not_return(odd_fmus: dict[int, Path]) -> None:
-    instance = fmus.load(odd_fmus[3], "odd", isolated=True)
-    assert isinstance(instance, IsolatedFmu)
-    instance.set("oddity", ODDITIES.index("hang"))
-    instance.enter_initialization()
-    instance.exit_initialization()
-    old = signal.signal(signal.SIGALRM, signal.default_int_handler)
-    try:
-        signal.setitimer(signal.ITIMER_REAL, 0.3)
-        with pytest.raises(KeyboardInterrupt):
-            instance.step(0, NS)
-    finally:
-        signal.signal(signal.SIGALRM, old)
-    pid, began = instance.pid, time.monotonic()
-    instance.close()
-    assert time.monotonic() - began < 2.0
-    assert gone(pid)
-
-
-def test_closing_leaves_nothing(odd_fmus: dict[int, Path]) -> None:
-    def descriptors() -> int:
-        return len(os.listdir("/dev/fd"))
-
-    before = descriptors()
-    for oddity in ("none", "crash"):
-        instance = fmus.load(odd_fmus[2], "odd", isolated=True)
-        assert isinstance(instance, IsolatedFmu)
-        instance.set("oddity", ODDITIES.index(oddity))
-        instance.enter_initialization()
-        instance.exit_initialization()
-        if oddity == "crash":
-            with pytest.raises(StepError):
-                instance.step(0, NS)
-        instance.close()
-        assert gone(instance.pid)
-        assert descriptors() == before

@@ -30,6 +30,11 @@ ENDS = [
         "needs longer, raise time_limit, else look at the inputs it was given last",
     ),
     (
+        "talk", dict(isolated=True, time_limit=0.3), 0.5,
+        "odd failed at t = 0.5 s: fmi{fmi}DoStep did not return within the time limit of 0.3 s and was ended; before, "
+        "it said: one moment, please; if it only needs longer",
+    ),
+    (
         "crash", PROCESS, 0.5,
         "odd failed at t = 0.5 s: it crashed in fmi{fmi}DoStep: SIGSEGV (segmentation fault); before, it said: about "
         f"to write where nothing is; {NO_HARM}",
@@ -97,6 +102,16 @@ def test_a_run_ends_as_specified(
         assert summary.terminated_by == ("odd" if oddity == "end" else "")
     else:
         assert said.format(fmi=fmi, real={2: "Real", 3: "Float64"}[fmi]) in error
+
+
+@pytest.mark.parametrize("how", [{}, PROCESS], ids=["here", "isolated"])
+def test_a_stiff_one_whose_solver_blows_up(how: dict[str, object], fmi: int, odd_fmus: dict[int, Path]) -> None:
+    """Explicit Euler at 1e79 times its limit: x = 1 - (-1e79)^n passes the largest double, 1.8e308, in step 4."""
+    record = Record()
+    summary, error = ending(coupled(odd_fmus[fmi], "stiff", how), record)
+    assert summary is None
+    assert error.startswith("mass failed at t = 0.3 s: input F is -inf")
+    np.testing.assert_allclose(record["odd.y"], [0, 1e79, -1e158, 1e237], rtol=1e-15)
 
 
 def test_a_discarded_step_is_repeated_in_shorter_ones(fmi: int, odd_fmus: dict[int, Path]) -> None:
