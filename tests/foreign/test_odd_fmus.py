@@ -10,7 +10,9 @@ from odd import ODDITIES, odd
 from toys import Mass
 
 import fmus
-from cosim import CosimError, ExportError, GaussSeidel, Link, Record, Summary, System, run
+from cosim import CosimError, ExportError, GaussSeidel, Link, Observer, Record, Summary, System, run
+from logs.read import properties, signals
+from logs.recorder import RerunRecorder
 
 STEP, STOP = 0.1, 1.0
 PROCESS = dict(isolated=True, time_limit=1.0)
@@ -75,10 +77,10 @@ def coupled(path: Path, oddity: str, how: dict[str, object]) -> System:
     return System({"odd": odd, "mass": fmus.instantiate(Mass(), "mass")}, {"mass.F": Link("odd.y", factor=1.0)})
 
 
-def ending(system: System, record: Record, step: float = STEP) -> tuple[Summary | None, str]:
+def ending(system: System, *observers: Observer) -> tuple[Summary | None, str]:
     """Run to the end, or to what breaks it off, and say which; close the system."""
     try:
-        return run(system, GaussSeidel(), step=step, stop=STOP, observers=[record]), ""
+        return run(system, GaussSeidel(), step=STEP, stop=STOP, observers=observers), ""
     except CosimError as error:
         return None, str(error)
     finally:
@@ -89,19 +91,29 @@ def ending(system: System, record: Record, step: float = STEP) -> tuple[Summary 
     ("oddity", "how", "last", "said"), ENDS, ids=[f"{o}{''.join(f'-{k}' for k in h)}" for o, h, _, _ in ENDS]
 )
 def test_a_run_ends_as_specified(
-    oddity: str, how: dict[str, object], last: float, said: str | None, fmi: int, odd_fmus: dict[int, Path]
-) -> None:
-    record = Record()
-    summary, error = ending(coupled(odd_fmus[fmi], oddity, how), record)
+    oddity: str, how: dict[str, object], last: float, said: str | None,
+    fmi: int, odd_fmus: dict[int, Path], tmp_path: Path,
+) -> None:  # fmt: skip
+    """Nothing is lost, neither in the record nor in the log, which says how the run ended."""
+    record, log = Record(), tmp_path / "odd.rrd"
+    summary, error = ending(coupled(odd_fmus[fmi], oddity, how), record, RerunRecorder(log, "odd"))
     assert record.time[-1] == pytest.approx(last, abs=1e-12)
     # whatever happened then: y = t, in tenths that the FMU adds up itself
     before = record.time <= 0.5 + 1e-12
     assert np.allclose(record["odd.y"][before], record.time[before], atol=1e-15)
+    outcome = properties(log)["outcome"]
     if said is None:
         assert summary is not None, error
         assert summary.terminated_by == ("odd" if oddity == "end" else "")
+        assert outcome["status"] == "complete"
     else:
         assert said.format(fmi=fmi, real={2: "Real", 3: "Float64"}[fmi]) in error
+        assert (outcome["status"], outcome["error"]) == ("failed", error)
+    logged = signals(log)
+    for port in record.ports():
+        name = port if port in logged else port.replace(".", ".in.")
+        np.testing.assert_array_equal(logged[name].ns, record.time_ns)
+        assert logged[name].values.tobytes() == record[port].tobytes(), port
 
 
 @pytest.mark.parametrize("how", [{}, PROCESS], ids=["here", "isolated"])
