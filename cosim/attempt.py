@@ -23,6 +23,7 @@ class Attempt:
     announced: list[str] = field(default_factory=list)  # whose event lies at the end
     stopped: str = ""  # who stopped before the end, at ``reached``
     reached: int = 0
+    discarded: bool = False  # not for an event, but since the step was too long
     terminated: str = ""  # who asked to end the run
     estimate: Estimate | None = None  # of the error made, by algorithms that make one
 
@@ -54,5 +55,5 @@ class Attempt:
                 f"{name} was asked to step from {seconds(start):.9f} s to {seconds(end):.9f} s and stopped at "
                 f"{seconds(advance.reached):.9f} s without having been allowed to"
             )
-        self.stopped, self.reached = name, advance.reached
+        self.stopped, self.reached, self.discarded = name, advance.reached, advance.discarded
         return False

@@ -83,6 +83,8 @@ class Located(Instance):
         before, saved = self._known[start], self.instance.snapshot()
         try:
             advance = self._advance(start, end, early_return=self.instance.can.early_return)
+            if advance.discarded:  # what it shows now means nothing
+                return advance
             met, now = advance.reached, self._shown()
             happened = met > start and self._happened(before, now)
             if happened:

@@ -45,6 +45,7 @@ class Advance:
     reached: int  # ns; the first tick at or after the event when the step returned early
     early: bool = False  # an announced event lies in the last nanosecond, be that before the end asked for or at it
     terminated: bool = False  # the component asks to end the simulation
+    discarded: bool = False  # it is early not for an event, but since it takes no step that long
 
 
 @dataclass(frozen=True)

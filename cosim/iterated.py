@@ -130,7 +130,8 @@ class _Iteration:
 def _ended(part: Attempt, whole: Attempt) -> bool:
     """Tell the whole attempt how a part of it went; return whether it stopped."""
     whole.announced[:] = dict.fromkeys([*(n for n in whole.announced if n not in part.due), *part.announced])
-    whole.stopped, whole.reached, whole.terminated = part.stopped, part.reached, whole.terminated or part.terminated
+    whole.stopped, whole.reached, whole.discarded = part.stopped, part.reached, part.discarded
+    whole.terminated = whole.terminated or part.terminated
     return bool(part.stopped)
 
 

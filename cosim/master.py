@@ -153,7 +153,7 @@ class _Run:
 
     def _reach(self, end: int, due: tuple[str, ...], attempts: int) -> int:
         """Advance everybody to *end* or to the first event before it; return the attempts made in this macro step."""
-        start, target, culprit = self.now, self.hybrid.next(self.now, end), ""
+        start, target, culprit, discarded = self.now, self.hybrid.next(self.now, end), "", False
         if target < end:
             due = self.sequence
         saved = self.system.save(self.rewound) if self.rewound else None
@@ -176,14 +176,14 @@ class _Run:
                 self.system.restore(saved, attempt.stepped)
                 self._rejected(attempt)
                 attempts += 1
-                culprit, due = attempt.stopped, self.sequence
+                culprit, discarded, due = attempt.stopped, attempt.discarded, self.sequence
                 target = self._shorter(attempt, attempts)
         finally:
             if saved is not None:
                 self.system.forget(saved)
         self.terminated = attempt.terminated
         self.accept(target)
-        if culprit and culprit not in attempt.announced:
+        if culprit and not discarded and culprit not in attempt.announced:
             self.pending[culprit] = target
         for name in attempt.announced:
             self.event(target, name)
@@ -199,6 +199,11 @@ class _Run:
     def _shorter(self, attempt: Attempt, attempts: int) -> int:
         """Return where the next attempt is to end; at least 1 ns after the start, so that time goes on."""
         target = max(attempt.reached, attempt.start + 1)
+        if attempt.discarded and attempts > MAX_EARLY_RETURNS:
+            raise CouplingError(
+                f"{attempt.stopped} discarded {attempts} steps in one macro step, the last from "
+                f"{seconds(attempt.start):.9f} s to {seconds(attempt.end):.9f} s; choose a macro step that it takes"
+            )
         if target >= attempt.end or attempts > MAX_EARLY_RETURNS:
             raise CouplingError(
                 f"{attempt.stopped} returned early {attempts} times in one macro step, last at "
@@ -250,7 +255,7 @@ class _Run:
     def _rejected(self, attempt: Attempt) -> None:
         self.rejected += 1
         met = self.pending.get(attempt.stopped)
-        if met is not None and (attempt.reached - met) * SAME_EVENT < self.info.step_ns:
+        if met is not None and not attempt.discarded and (attempt.reached - met) * SAME_EVENT < self.info.step_ns:
             del self.pending[attempt.stopped]  # not passed yet: on the shorter step it happens a little later
         self._tell(lambda o: o.rejected(attempt.start, attempt.end, attempt.reached, attempt.stopped))
 

@@ -84,6 +84,7 @@ class Richardson:
                 attempt.announced[:] = part.announced
                 if part.stopped:
                     attempt.stopped, attempt.reached, attempt.terminated = part.stopped, part.reached, part.terminated
+                    attempt.discarded = part.discarded
                     system.restore(saved, attempt.due)
                     return
                 found.append(system.values.copy())

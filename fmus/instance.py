@@ -84,28 +84,30 @@ class FmuInstance(Instance):
         if status > WARNING:
             self._fail(name, status)
 
-    def _fail(self, what: str, status: int) -> NoReturn:
+    def _fail(self, what: str, status: int, cure: str = "") -> NoReturn:
         returned = f"{what} returned {STATUS[status] if 0 <= status < len(STATUS) else status}"
-        said = self.log.said()
+        said = self.log.said() or "it said nothing"
         if status == FATAL:  # the standard forbids every further call, even to free it, and the library stays
             self._c = self._library = None
             self._end_of_use("failed fatally")
-        if status == DISCARD:
+        if status == DISCARD and not cure:
             cure = "use a shorter macro step"
-            if self.archive.retry:
-                cure = "it does so however short the step is"
-            elif self.can.rollback:
+            if self.can.rollback:
                 cure = "with retry such steps are repeated in shorter ones, as it can be taken back; else " + cure
-            said = f"{said or 'it said nothing'}; {cure}"
-        raise StepError(self.name, self.time, said or "it said nothing", returned)
+        raise StepError(self.name, self.time, f"{said}; {cure}" if cure else said, returned)
 
     def _discarded(self, what: str, start: int, end: int, reached: float, early_return: bool) -> Advance:
         """Return where everybody is to be taken after a step that the FMU made only until *reached* (s), or raise."""
-        if self.archive.retry and early_return and end - start > 1:
-            middle = start + (end - start) // 2
-            tick = int(reached * NS + 1e-3) if math.isfinite(reached) else start
-            return Advance(tick if start < tick < end else middle, early=True)
-        self._fail(what, DISCARD)
+        cure = ""
+        if self.archive.retry and not early_return:
+            cure = "to repeat it in shorter ones takes a run that locates events: locate_events = true"
+        elif self.archive.retry:
+            if end - start > 1:
+                tick = int(reached * NS + 1e-3) if math.isfinite(reached) else start
+                middle = start + (end - start) // 2
+                return Advance(tick if start < tick < end else middle, early=True, discarded=True)
+            cure = "it does so however short the step is"
+        self._fail(what, DISCARD, cure)
 
     def _tick(self, reached: float, what: str, start: float) -> int:
         """Return the first tick at or after what the FMU says it reached from *start*; raises StepError for no time."""

@@ -10,7 +10,7 @@ from odd import ODDITIES, odd
 from toys import Mass
 
 import fmus
-from cosim import CosimError, ExportError, GaussSeidel, Link, Observer, Record, Summary, System, run
+from cosim import CosimError, ExportError, GaussSeidel, Link, Observer, Record, StepError, Summary, System, run
 from logs.read import properties, signals
 from logs.recorder import RerunRecorder
 
@@ -133,13 +133,34 @@ def test_a_discarded_step_is_repeated_in_shorter_ones(fmi: int, odd_fmus: dict[i
     system.instances["odd"].set("longest", 0.04)
     summary, error = ending(system, record)
     assert summary is not None, error
-    assert summary.rejected > 0
+    assert summary.rejected == 2 * round(STOP / STEP)
+    assert summary.events == 0  # nothing has happened where the step was cut
+    assert record.events == []
     assert np.diff(record.time).max() <= 0.04 + 1e-9
     # every macro step of 0.1 s is made in 0.04 + 0.04 + 0.02 s, and all points of the grid are there
     assert len(record.time) == 1 + 3 * round(STOP / STEP)
     assert np.allclose(record["odd.y"], record.time, atol=1e-14)
     # m v' = y, y held over each step at its end: v = sum of h t
     assert record["mass.vel"][-1] == pytest.approx(np.sum(np.diff(record.time) * record.time[1:]), abs=1e-14)
+
+
+def test_steps_that_are_discarded_again_and_again(fmi: int, odd_fmus: dict[int, Path]) -> None:
+    """Of a macro step of 0.1 s, steps of 50 us would make 2000: that is no way to run."""
+    system = coupled(odd_fmus[fmi], "discard", dict(retry=True))
+    system.instances["odd"].set("longest", 5e-5)
+    summary, error = ending(system, record := Record())
+    assert summary is None
+    assert error == (
+        "odd discarded 1001 steps in one macro step, the last from 0.050000000 s to 0.100000000 s; choose a macro step "
+        "that it takes"
+    )
+    assert record.time[-1] == 0.05
+
+
+def test_without_going_back_nothing_is_repeated(fmi: int, odd_fmus: dict[int, Path]) -> None:
+    system = coupled(odd_fmus[fmi], "discard all", dict(retry=True))
+    with system, pytest.raises(StepError, match=r"to repeat it in shorter ones takes a run that locates events: loc"):
+        run(system, GaussSeidel(), step=STEP, stop=STOP, locate_events=False)
 
 
 def test_a_discarded_step_in_its_own_process(fmi: int, odd_fmus: dict[int, Path]) -> None:

@@ -19,12 +19,16 @@ def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
     made: dict[Any, Path] = {}
 
     def instance(
-        model: str, build: dict[str, Any] | None = None, isolated: bool = False, **parameters: float
+        model: str,
+        build: dict[str, Any] | None = None,
+        isolated: bool = False,
+        retry: bool = False,
+        **parameters: float,
     ) -> Instance:
         key = (model, *sorted((build or {}).items()))
         if key not in made:
             made[key] = hybrid(folder / str(len(made)), model, **(build or {}))
-        found = fmus.load(made[key], isolated=isolated)
+        found = fmus.load(made[key], isolated=isolated, retry=retry)
         for name, value in parameters.items():
             found.set(name, value)
         return found

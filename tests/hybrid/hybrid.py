@@ -51,6 +51,7 @@ MODELS: dict[str, tuple[str, list[str]]] = {
         _float("v", 4, "output"),
         _int("bounces", 5),
         _parameter("g", 6, 9.81), _parameter("e", 7, 0.8), _parameter("h0", 8, 1), _parameter("rest", 9, 0),
+        _parameter("longest", 38, 0),
         _clock("bounce", 0, "output", "triggered"),
     ]),
     "CONTROLLER": ("", [

@@ -10,6 +10,8 @@
 #include <string.h>
 #include "fmi3Functions.h"
 
+#define LONGEST 38 /* value reference of the longest step that is not discarded; 0: any is made */
+
 enum { BEFORE = 1, INITIALIZATION = 2, EVENT = 4, STEP = 8 };
 
 typedef struct {
@@ -226,6 +228,12 @@ fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 at, fmi3Float64 h, fmi3Boolean
     int k;
     ALLOWED(STEP);
     *event = *terminate = *early = fmi3False;
+    if (t->x[LONGEST] > 0 && h > t->x[LONGEST] * (1 + 1e-9)) {
+        *reached = at + t->x[LONGEST];
+        t->x[3] = t->time = NAN; /* nothing is left of the state that the step began with */
+        t->log(t->environment, fmi3Discard, "all", "the step is too long");
+        return fmi3Discard;
+    }
     if (t->pending)
         return refuse(t, "a step was asked for before an event was handled", 0);
     if (fabs(at - t->time) > 1e-15 * (1 + fabs(at)))

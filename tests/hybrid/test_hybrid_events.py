@@ -30,11 +30,15 @@ ALGORITHMS = [Jacobi(), GaussSeidel(), Consistent(GaussSeidel())]
 PERIOD, STRENGTH = 0.1, 4.0
 
 
-def bouncing(make: Make, **how: Any) -> System:
-    """Two balls; a controller sees the first and kicks the second at its ticks, and counts the touches by a clock."""
+def bouncing(make: Make, longest: float = 0.0, **how: Any) -> System:
+    """Two balls; a controller sees the first and kicks the second at its ticks, and counts the touches by a clock.
+
+    The balls discard steps above *longest*, if it is given.
+    """
+    balls = {"longest": longest, "retry": longest > 0, **how}
     parts = {
-        "first": make("BALL", h0=1.0, **how),
-        "second": make("BALL", h0=0.7, **how),
+        "first": make("BALL", h0=1.0, **balls),
+        "second": make("BALL", h0=0.7, **balls),
         "controller": make("CONTROLLER", strength=STRENGTH, **how),
     }
     wires = {"second.kick": "controller.command", "controller.seen": "first.h", "controller.bounced": "first.bounce"}
@@ -212,6 +216,25 @@ def test_simultaneous_events_in_two_fmus_are_one_instant(make: Make) -> None:
     np.testing.assert_array_equal(at, record.when("controller.bounced"))
     assert record.events == [(int(at[0]), "a"), (int(at[0]), "b")]
     assert summary.rejected == 1
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_discarded_steps_are_repeated_between_events(make: Make, isolated: bool) -> None:
+    """A ball that makes 1.3 ms at most meets the same events as one that makes any step, and those are no more."""
+    free, cut, stop = Superdense(), Superdense(), 0.6
+    run(bouncing(make), GaussSeidel(), step=0.01, stop=stop, observers=[free])
+    with bouncing(make, longest=1.3e-3, isolated=isolated) as system:
+        summary = run(system, GaussSeidel(), step=0.01, stop=stop, observers=[cut])
+    assert np.diff(cut.time).max() <= 1.3e-3 * (1 + 1e-9)
+    assert summary.rejected > 7 * 60  # 7 of 1.3 ms are discarded before the rest of 0.9 ms is made
+    assert len(free.events) >= 2
+    assert [who for _, who in cut.events] == [who for _, who in free.events]
+    for (a, _), (b, _) in zip(cut.events, free.events, strict=True):
+        assert abs(a - b) <= 1  # ns: the parabolas are the same up to rounding
+    for clock in ("first.bounce", "second.bounce", "controller.sample", "controller.bounced"):
+        np.testing.assert_allclose(cut.when(clock), free.when(clock), atol=1)
+    for port in ("controller.count", "controller.saw", "second.v"):
+        np.testing.assert_allclose(cut[port][-1], free[port][-1], rtol=1e-12)
 
 
 def test_isolated_fmus_meet_the_same_events(make: Make) -> None:
