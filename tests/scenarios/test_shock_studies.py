@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studies.shock.claims import judged, judged_collisions
 
 from plants.shock import peaks
 from plants.shock_fourier import fourier_response
@@ -14,6 +13,7 @@ from plants.shock_loads import participation, wheel_load
 from studies.figures.claim import CONTRADICTED, REPRODUCED, TREND, Claim
 from studies.shock import FIGURES
 from studies.shock.cases import CORNERS, EDGES, INNER, STATIONS, acceleration, platform, times
+from studies.shock.claims import judged, judged_collisions
 
 VERDICTS = [
     TREND, CONTRADICTED, REPRODUCED, TREND, REPRODUCED, CONTRADICTED, TREND,
