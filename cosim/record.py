@@ -6,7 +6,6 @@ is read back.
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -41,7 +40,7 @@ class Record(Observer):
 
     def __init__(self, names: Iterable[str] | None = None, limit: int = LIMIT) -> None:
         self.names, self.limit = None if names is None else tuple(names), limit
-        self._starts, self._ends = array("q"), array("q")  # of the accepted steps, in ns
+        self._ticks = Rows(2, limit // 16, np.int64)  # starts and ends of the accepted steps, in ns
         self.events: list[tuple[int, str]] = []  # (time in ns, component)
         self.rejections: list[tuple[int, int, int, str]] = []  # (start, end, reached, component)
         self.info: RunInfo | None = None
@@ -84,16 +83,14 @@ class Record(Observer):
         self._rows.append(point.row if self._places is None else point.row[self._places])
         for port, values in self._others:
             values.append(self._system[port])
-        self._starts.append(point.start)
-        self._ends.append(point.end)
+        self._ticks.append((point.start, point.end))
 
     def accepted_block(self, block: Block) -> None:
         if self._others:
             super().accepted_block(block)
             return
         self._rows.extend(block.rows if self._places is None else block.rows[:, self._places])
-        self._starts.frombytes(block.starts.astype(np.int64).tobytes())
-        self._ends.frombytes(block.ends.astype(np.int64).tobytes())
+        self._ticks.extend(np.stack((block.starts, block.ends), axis=1))
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
         self.rejections.append((start, end, reached, component))
@@ -110,12 +107,12 @@ class Record(Observer):
     @property
     def points(self) -> list[tuple[int, int]]:
         """Start and end of every accepted step in ns, the first one being the start of the run."""
-        return list(zip(self._starts, self._ends, strict=True))
+        return [(start, end) for start, end in self._ticks.columns(slice(0, 2)).tolist()]
 
     @property
     def time_ns(self) -> np.ndarray:
         """Ends of the accepted steps in ns, the start of the run first."""
-        return np.array(self._ends, dtype=np.int64)
+        return self._ticks.columns(slice(1, 2))[:, 0]
 
     @property
     def time(self) -> np.ndarray:
@@ -123,7 +120,7 @@ class Record(Observer):
         return self.time_ns / NS
 
     def __len__(self) -> int:
-        return len(self._ends)
+        return len(self._ticks)
 
     def __contains__(self, port: object) -> bool:
         return port in self._ports

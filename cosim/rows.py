@@ -1,4 +1,4 @@
-"""Rows of Float64 values that grow with a run: in memory up to a limit, and beyond it in a temporary file."""
+"""Rows of values that grow with a run: in memory up to a limit, and beyond it in a temporary file."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ LIMIT = 256_000_000  # bytes in memory
 
 
 class Rows:
-    """Rows of *width* values, kept in chunks, so that what is there is never copied while it grows.
+    """Rows of *width* values of 8 bytes, kept in chunks, so that what is there is never copied while it grows.
 
     Beyond *limit* bytes the oldest chunks go to a temporary file, which the system deletes with this object or its
     process.  A chunk lies there column by column: who reads a few columns of a long run reads nothing else.
     """
 
-    def __init__(self, width: int, limit: int = LIMIT) -> None:
-        self.width, self._limit = width, limit
+    def __init__(self, width: int, limit: int = LIMIT, dtype: type = np.float64) -> None:
+        self.width, self._limit, self._dtype = width, limit, dtype
         self._most = max(1, limit // max(1, 8 * width * CHUNK))  # chunks in memory
-        self._chunks: list[np.ndarray] = [np.empty((CHUNK, width))]
+        self._chunks: list[np.ndarray] = [np.empty((CHUNK, width), dtype)]
         self._used = 0  # rows of the last chunk
         self._stored = 0  # chunks in the file
         self._file: IO[bytes] | None = None
@@ -32,7 +32,7 @@ class Rows:
     def __len__(self) -> int:
         return (self._stored + len(self._chunks) - 1) * CHUNK + self._used
 
-    def append(self, row: np.ndarray) -> None:
+    def append(self, row: np.ndarray | tuple[int, ...]) -> None:
         """Copy a row; raises ScenarioError if the temporary file takes no more."""
         if self._used == CHUNK:
             self._grow()
@@ -52,8 +52,8 @@ class Rows:
 
     def columns(self, at: slice) -> np.ndarray:
         """Return the columns *at* of all rows, (n, columns), as a new array."""
-        found = np.empty((len(self), at.stop - at.start))
-        part = np.empty((at.stop - at.start, CHUNK))
+        found = np.empty((len(self), at.stop - at.start), self._dtype)
+        part = np.empty((at.stop - at.start, CHUNK), self._dtype)
         for k in range(self._stored):
             assert self._file is not None
             os.preadv(self._file.fileno(), [part.data], 8 * CHUNK * (k * self.width + at.start))
@@ -67,7 +67,7 @@ class Rows:
 
     def _grow(self) -> None:
         full = len(self._chunks) >= self._most
-        self._chunks.append(self._store(self._chunks.pop(0)) if full else np.empty((CHUNK, self.width)))
+        self._chunks.append(self._store(self._chunks.pop(0)) if full else np.empty((CHUNK, self.width), self._dtype))
         self._used = 0
 
     def _store(self, chunk: np.ndarray) -> np.ndarray:

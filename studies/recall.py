@@ -38,8 +38,7 @@ class LoggedRecord(Record):
         super().__init__()
         self._found = found
         longest = max(found.values(), key=lambda s: len(s.ns)).ns if found else np.empty(0, np.int64)
-        self._starts.extend([*longest[:1].tolist(), *longest[:-1].tolist()])
-        self._ends.extend(longest.tolist())
+        self._ticks.extend(np.stack((np.concatenate((longest[:1], longest[:-1])), longest), axis=1))
 
     def __contains__(self, port: object) -> bool:
         return port in self._found and len(self._found[str(port)].ns) == len(self)

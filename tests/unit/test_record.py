@@ -102,8 +102,9 @@ def test_a_long_record_moves_to_a_file_and_is_whole() -> None:
     n, small = 14_000, 8 * 7 * 4096
     long, kept = Record(limit=small), Record()
     run(numbered(n)[0], Jacobi(), step=1000, stop=n * 1000, observers=[long, kept])
-    assert long._rows._stored == 3
+    assert long._rows._stored == long._ticks._stored == 3
     assert kept._rows._stored == 0
+    assert long.points == kept.points
     assert long.ports() == kept.ports()
     for name in long.ports():
         assert long[name].tobytes() == kept[name].tobytes()
