@@ -12,6 +12,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -41,7 +42,7 @@ class Pool:
         self.step = round(step * NS)
         self._archives: dict[tuple[str, int, int], Archive] = {}
         self._waiting: dict[tuple[object, ...], list[Loaded]] = {}
-        self._lent: dict[int, tuple[object, ...]] = {}
+        self._lent: WeakKeyDictionary[Instance, tuple[object, ...]] = WeakKeyDictionary()
 
     def load(
         self,
@@ -61,7 +62,7 @@ class Pool:
             instance.name = name or archive.model
         else:
             instance = opened(archive, name, isolated=isolated, time_limit=time_limit, retry=retry)
-        self._lent[id(instance)] = key
+        self._lent[instance] = key
         return instance
 
     def instantiate(
@@ -81,7 +82,7 @@ class Pool:
     def release(self, instances: Iterable[Instance], *, failed: bool = False) -> None:
         """Take instances back after a run: they wait for the next one, or are closed, as after one that *failed*."""
         for instance in instances:
-            key = self._lent.pop(id(instance), None)
+            key = self._lent.pop(instance, None)
             if failed or key is None or not isinstance(instance, Loaded) or not self._again(instance):
                 instance.close()
             else:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:  # importing what runs a scenario takes a second
     from cosim import Component
     from cosim.scenario import Scenario
+    from fmus import Pool
 
     from .runner import Result
     from .session import Comparison
@@ -35,15 +36,25 @@ def scenario(name: str, variant: str | None = None, **changes: Any) -> Scenario:
 
 
 def run(
-    name: str, variant: str | None = None, *, parts: Mapping[str, Component] = MappingProxyType({}), **changes: Any
+    name: str,
+    variant: str | None = None,
+    *,
+    parts: Mapping[str, Component] = MappingProxyType({}),
+    pool: Pool | None = None,
+    **changes: Any,
 ) -> Result:
     """Run a variant of a scenario without a log; *parts* are components that stand in the slots they are named by.
+
+    Of thousands of runs each is quicker, and nothing piles up in the process, if they share a *pool* of FMU instances::
+
+        with fmus.Pool() as pool:
+            ends = [studies.run("ramp-impact", wheels={"c_w": c}, pool=pool).signal("body.pitch")[-1] for c in dampings]
 
     Raises CosimError for what is wrong before the first step; a run that fails later has its ``error`` set.
     """
     from .runner import execute
 
-    return execute(scenario(name, variant, **changes), parts=parts)
+    return execute(scenario(name, variant, **changes), parts=parts, pool=pool)
 
 
 def compare(name: str, *variants: str, out: Path | str = "runs", **changes: Any) -> Comparison:

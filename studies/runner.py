@@ -66,28 +66,38 @@ class Result:
         return result_html(self)
 
 
-def instantiate(assembly: Assembly, say: Progress = lambda text: None) -> dict[str, Instance]:
-    """Build (or find in the cache) and load one FMU per slot, parameters and start values set."""
+def instantiate(
+    assembly: Assembly, say: Progress = lambda text: None, pool: fmus.Pool | None = None
+) -> dict[str, Instance]:
+    """Build (or find in the cache) and load one FMU per slot, from the *pool* if there is one; set its values."""
+    source = pool or fmus
     instances: dict[str, Instance] = {}
     try:
         for name, part in assembly.components.items():
             slot = assembly.scenario.slot(name)
             if isinstance(part, Component):
                 say(f"FMU {type(part).__name__}")
-                instances[name] = fmus.instantiate(
+                instances[name] = source.instantiate(
                     part, name, fmi=assembly.scenario.run.fmi, isolated=slot.isolated, time_limit=slot.time_limit
                 )
             else:
                 say(f"FMU {part}")
-                instances[name] = fmus.load(
+                instances[name] = source.load(
                     part, name, isolated=slot.isolated, time_limit=slot.time_limit, retry=slot.retry
                 )
         rover.apply(assembly.starts, instances)
     except BaseException:
-        for instance in instances.values():
-            instance.close()
+        _give_back(instances, pool, failed=True)
         raise
     return instances
+
+
+def _give_back(instances: Mapping[str, Instance], pool: fmus.Pool | None, *, failed: bool) -> None:
+    if pool is not None:
+        pool.release(instances.values(), failed=failed)
+        return
+    for instance in instances.values():
+        instance.close()
 
 
 def link(value: str | LinkSpec) -> str | Link:
@@ -129,16 +139,17 @@ def execute(
     say: Progress = lambda text: None,
     *,
     parts: Mapping[str, Component] = MappingProxyType({}),
+    pool: fmus.Pool | None = None,
 ) -> Result:
     """Run one variant of a scenario to its end, or to its failure: then ``error`` is set and what was computed is kept.
 
     *observers* makes the observers of this run beside the record; *parts* are components that stand in the slots they
-    are named by, ``parts={"controller": MyLaw()}``.  Raises CosimError for anything that is
-    wrong before the first step.
+    are named by, ``parts={"controller": MyLaw()}``; *pool* lends the instances and takes them back for
+    the next run.  Raises CosimError for anything that is wrong before the first step.
     """
     clock = perf_counter()
     assembly = assemble(scenario, parts)
-    instances = instantiate(assembly, say)
+    instances = instantiate(assembly, say, pool)
     seconds = {"building": perf_counter() - clock}
     record, made_of = Record(), provenance(instances)
     system = connect(assembly, instances)
@@ -163,7 +174,7 @@ def execute(
         failure = error
     finally:
         seconds["running"] = perf_counter() - clock
-        system.close()
+        _give_back(instances, pool, failed=summary is None)
     return Result(assembly, record, judge(assembly, record), summary, failure, seconds, made_of)
 
 

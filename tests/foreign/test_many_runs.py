@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from odd import ODDITIES, odd, state_flag
 from toys import Mass, Spring
 
 import fmus
+import studies
 from cosim import GaussSeidel, Record, System, run
 from fmus.pool import Loaded, Pool
 
@@ -82,6 +84,35 @@ def test_a_reset_that_is_not_sound_is_not_used(isolated: bool, fmi: int, tmp_pat
     assert np.allclose(ends, 1.0)
     assert len(set(map(id, used))) == 3
     assert not any(i.alive for i in used)
+
+
+def test_scenarios_share_a_pool() -> None:
+    """Other parameters and start values in every run, and one run that fails: each is what it is alone."""
+    made: list[Loaded] = []
+
+    class Counting(Pool):
+        def load(self, *args: Any, **how: Any) -> Loaded:
+            made.append(super().load(*args, **how))
+            return made[-1]
+
+    changes: list[dict[str, Any]] = [
+        {"wheels": {"mu": 0.3}},
+        {"wheels": {"k_w": 1e5, "c_w": 100.0}, "start": {"speed": 1.0}},
+        {"wheels": {"k_w": 1e200}},
+        {},
+    ]
+    with Counting(step=1e-4) as pool:
+        for change in changes:
+            shared, alone = (
+                studies.run("ramp-impact", "pd", run={"duration": 0.01}, pool=p, **change) for p in (pool, None)
+            )
+            assert str(shared.error) == str(alone.error)
+            assert (shared.error is not None) == (change == {"wheels": {"k_w": 1e200}})
+            for port in alone.record.ports():
+                assert shared.record[port].tobytes() == alone.record[port].tobytes(), port
+    assert len(made) == 4 * 4
+    assert len(set(map(id, made))) == 2 * 4  # those of the run that failed are not used again
+    assert not any(instance.alive for instance in made)
 
 
 def test_after_a_failure_all_are_new(fmi: int, odd_fmus: dict[int, Path]) -> None:
