@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from .attempt import Attempt
     from .system import System
 
+Order = tuple[str, ...] | Literal["computed"]
+
 
 class Algorithm(Protocol):
     """What the master asks of an algorithm."""
@@ -60,7 +62,7 @@ class GaussSeidel:
     the one with the fewest.
     """
 
-    order: tuple[str, ...] | Literal["computed"] = ()
+    order: Order = ()
 
     def __post_init__(self) -> None:
         if self.order != "computed":

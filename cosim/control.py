@@ -69,8 +69,8 @@ class Pace:
         parts = max(1, -int(-(limit - now) // step))
         return min(limit, now + max(1, int((limit - now) / parts))) if parts > 1 else limit
 
-    def accepts(self, attempt: Attempt, cut: bool) -> bool:
-        """Judge an attempt and choose the step after it; *cut*: its length was not chosen here."""
+    def accepts(self, attempt: Attempt) -> bool:
+        """Judge an attempt and choose the step after it, which is no shorter for one that something else cut short."""
         if attempt.estimate is None:
             raise CouplingError("the algorithm estimates no error, so PI cannot choose the step; wrap it in Richardson")
         share, self.worst = attempt.estimate.worst(self.control.tolerance_rel, self.control.tolerance_abs)
@@ -88,7 +88,7 @@ class Pace:
         share = max(share, 1e-10)
         factor = self.control.safety * share ** (-0.7 * exponent) * self.before ** (0.4 * exponent)
         chosen = length * max(SHRINK, min(GROW, factor))
-        self.step = max(self.step, chosen) if cut else chosen
+        self.step = max(self.step, chosen) if 2 * length < self.step else chosen
         self.before = share
         return True
 

@@ -162,7 +162,7 @@ class _Run:
                 attempt = Attempt(self.system, start, target, due, self.locating)
                 self.algorithm.advance(attempt)
                 if not attempt.stopped:
-                    if self.pace is None or self.pace.accepts(attempt, cut=bool(culprit)):
+                    if self.pace is None or self.pace.accepts(attempt):
                         break
                     assert saved is not None
                     self.system.restore(saved, self.sequence)

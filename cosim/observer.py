@@ -106,7 +106,11 @@ class Observer:
             self.accepted(point)
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
-        """Tell that [start, end] was taken back since *component* returned early at *reached* (all ns)."""
+        """Tell that [start, end] was taken back (all ns).
+
+        Either *component* returned early, at *reached*; or ``reached == start``: ``PI`` found the error of one of its
+        outputs (or of one of its bonds) above the tolerance.
+        """
 
     def event(self, time: int, component: str) -> None:
         """Tell that everybody was brought to *time* (ns) for an event of *component*; follows that accepted point."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from fnmatch import fnmatch
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from .algorithms import Algorithm, GaussSeidel
-from .errors import CouplingError
+from .errors import CouplingError, nearest
+from .wiring import End
 
 if TYPE_CHECKING:
     from .attempt import Attempt
@@ -39,14 +43,19 @@ class Richardson:
 
     With an order p of *inner* the halves are wrong by (halves - whole) / (2^p - 1), up to higher orders.  Jacobi around
     a component that only feeds through hands on values two steps old: the estimate sees half of that, and nothing in a
-    first step.  It covers the outputs that are connected.  *extrapolate* adds it to what is handed on and told; the
-    states of the components stay those of the halves.  Raises CouplingError where a component cannot be taken back,
-    needs steps of equal length, or steps over several macro steps.
+    first step.  It covers *outputs*, patterns such as ``"body.*"``; none: all that are connected.  Leave out what is a
+    mean over a step, which changes with its length.  *extrapolate* adds it to what is handed on and told; the states of
+    the components stay those of the halves.  Raises CouplingError where a component cannot be taken back, needs steps
+    of equal length, or steps over several macro steps, and for a pattern that no Float64 output matches.
     """
 
     inner: Algorithm = field(default_factory=GaussSeidel)
     order: int = 1
     extrapolate: bool = False
+    outputs: tuple[str, ...] = ()
+    _judged: WeakKeyDictionary[System, tuple[np.ndarray, tuple[str, ...], np.ndarray]] = field(
+        default_factory=WeakKeyDictionary, init=False, repr=False, compare=False
+    )
 
     def sequence(self, system: System) -> tuple[str, ...]:
         """Return the sequence of *inner*; raises CouplingError for who cannot take a step twice."""
@@ -63,6 +72,7 @@ class Richardson:
                     f"{name} steps every {system.every[name]} macro steps, which Richardson cannot halve; "
                     f"let it step every one"
                 )
+        self._judged[system] = judged(system, self.outputs)
         return self.inner.sequence(system)
 
     def delay(self, system: System, source: str, target: str) -> int:
@@ -72,8 +82,9 @@ class Richardson:
     def advance(self, attempt: Attempt) -> None:
         """Take the whole step, go back, take the halves; where somebody stops early, nobody has moved."""
         system, middle = attempt.system, attempt.start + (attempt.end - attempt.start) // 2
-        if middle == attempt.start:  # a step of 1 ns has no halves
+        if middle == attempt.start:  # a step of 1 ns has no halves, and no error to speak of
             self.inner.advance(attempt)
+            attempt.estimate = Estimate((), *np.zeros((3, 0)))
             return
         saved = system.save(attempt.due)
         try:
@@ -96,7 +107,7 @@ class Richardson:
             system.forget(saved)
 
     def _compare(self, attempt: Attempt, before: np.ndarray, whole: np.ndarray, halves: np.ndarray) -> None:
-        at, labels, nominal = connected(attempt.system)
+        at, labels, nominal = self._judged[attempt.system]
         error = (halves - whole)[at] / (2**self.order - 1)
         size = np.maximum(np.abs(before[at]), np.abs(halves[at]))
         attempt.estimate = Estimate(labels, error, size, nominal)
@@ -104,16 +115,28 @@ class Richardson:
             attempt.system.values[at] += error
 
 
-def connected(system: System) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
-    """Return the connected Float64 outputs: positions in ``System.values``, labels, nominal values."""
+def judged(system: System, patterns: Sequence[str] = ()) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
+    """Return the Float64 outputs that match *patterns*, or that are connected if there are none.
+
+    That is their places in ``System.values``, their labels, and their nominal values.
+    Raises CouplingError for a pattern that matches none.
+    """
     first = len(system.row) - len(system.values)
+    ends = [End(name, v) for name in system.names for v in system.instances[name].outputs]
+    for pattern in patterns:
+        if not any(fnmatch(end.port, pattern) for end in ends):
+            raise CouplingError(
+                f"no output that carries numbers matches {pattern!r}; {nearest(pattern, [end.port for end in ends])}"
+            )
+    if patterns:
+        ends = [end for end in ends if any(fnmatch(end.port, pattern) for pattern in patterns)]
+    else:
+        ends = [c.source for c in system.connections if c.numeric]
     found: dict[int, tuple[str, float]] = {}
-    for c in system.connections:
-        if c.numeric:
-            end = c.source
-            place = system.place(end.component, end.variable)
-            for at in end.positions(place):
-                label = f"{end.component}.{end.variable.labels()[at - place.start]}"
-                found[int(at) - first] = label, abs(end.variable.nominal) or 1.0
+    for end in ends:
+        place = system.place(end.component, end.variable)
+        for at in end.positions(place):
+            label = f"{end.component}.{end.variable.labels()[at - place.start]}"
+            found[int(at) - first] = label, abs(end.variable.nominal) or 1.0
     labels = tuple(label for label, _ in found.values())
     return np.array(list(found), int), labels, np.array([nominal for _, nominal in found.values()], float)

@@ -19,11 +19,13 @@ from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
+from types import UnionType
 from typing import Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from .errors import ScenarioError, nearest
+from .settings import RunSettings
 
 
 class Slot(BaseModel):
@@ -52,32 +54,6 @@ class LinkSpec(BaseModel):
     convert: bool = False
     factor: float | None = None
     offset: float = 0.0
-
-
-class RunSettings(BaseModel):
-    """How the master runs: macro step and duration in s, algorithm, order, which FMI version, what is logged."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    step: float = Field(1e-4, gt=0, strict=False)
-    duration: float = Field(..., gt=0)
-    algorithm: Literal["gauss-seidel", "jacobi", "iterated"] = "gauss-seidel"
-    order: tuple[str, ...] = ()
-    solve_loops: bool = False  # bring all outputs up to date at every communication point
-    trusted: tuple[str, ...] = ()  # who can be read after setting though FMI 2.0 does not promise it
-    locate_events: bool = True
-    compiled: bool | None = Field(None, strict=True)  # loop; None: where it can make the run, False: the readable one
-    events: dict[str, Literal["rising", "falling", "crossing", "change"]] = Field({})  # outputs that tell of an event
-    tolerance: float = Field(1e-8, gt=0, lt=1e-2)
-    fmi: Literal[2, 3] = 3
-    signals: tuple[str, ...] = ()  # patterns such as "wheels.*"; none: every port
-
-    @field_validator("step", "duration", "tolerance", mode="before")
-    @classmethod
-    def _number(cls, value: Any) -> Any:
-        if isinstance(value, (bool, str)):
-            raise ValueError(f"must be a number, not {value!r}")
-        return value
 
 
 @dataclass(frozen=True)
@@ -283,6 +259,7 @@ def _known(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
     for part in loc:
         if isinstance(at, type) and issubclass(at, BaseModel):
             at = at.model_fields[str(part)].annotation
+            at = get_args(at)[0] if isinstance(at, UnionType) else at  # a table that may be left out
         else:  # a table or a list: of which the last type argument says what is in it
             at = next(a for a in reversed(get_args(at)) if a is not Ellipsis)
     return list(at.model_fields)

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from cosim import Component, Variable
+from cosim.algorithms import Order
 from cosim.errors import ScenarioError, nearest
 from cosim.scenario import LinkSpec, Scenario, Slot, describe_problem
 from plants import rover
@@ -49,7 +50,7 @@ class Assembly:
     scenario: Scenario
     components: dict[str, Component | str]  # slot: component, or the path of a foreign FMU
     connections: dict[str, LinkSpec]  # beside those that the rover makes by itself
-    order: tuple[str, ...]
+    order: Order
     every: dict[str, int]
     starts: dict[str, np.ndarray] = field(default_factory=dict)
     robot: Robot | None = None
@@ -112,7 +113,9 @@ def _complete(scenario: Scenario, parts: dict[str, Component | str], **rest: Any
     placed = scenario.elements()
     every = {name: slot.every for name, slot in scenario.components.items()} | {e.name: e.slot.every for e in placed}
     between = elements(scenario, parts)
-    order = before(scenario.run.order or tuple(parts), placed)
+    order = scenario.run.order
+    if order != "computed":
+        order = before(order or tuple(parts), placed)
     everything = {name: {**parts, **between}[name] for name in before(tuple(parts), placed)}
     return Assembly(scenario, everything, dict(scenario.connections), order=order, every=every, **rest)
 

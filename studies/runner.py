@@ -14,11 +14,9 @@ import numpy as np
 
 import fmus
 from cosim import Component, CosimError
-from cosim.algorithms import Algorithm, GaussSeidel, Jacobi
+from cosim.algorithms import Algorithm
 from cosim.clock import ticks
-from cosim.consistent import Consistent
 from cosim.instance import Instance
-from cosim.iterated import Iterated
 from cosim.master import run
 from cosim.observer import Observer, Summary
 from cosim.record import Record
@@ -116,14 +114,7 @@ def connect(assembly: Assembly, instances: dict[str, Instance]) -> System:
 
 def algorithm_of(assembly: Assembly) -> Algorithm:
     """Return the strategy object that the scenario names."""
-    settings = assembly.scenario.run
-    chosen: dict[str, Algorithm] = {
-        "gauss-seidel": GaussSeidel(assembly.order),
-        "jacobi": Jacobi(),
-        "iterated": Iterated(GaussSeidel(assembly.order)),
-    }
-    algorithm = chosen[settings.algorithm]
-    return Consistent(algorithm, settings.trusted) if settings.solve_loops else algorithm
+    return assembly.scenario.run.strategy(assembly.order)
 
 
 def obstacle_start(assembly: Assembly) -> float | None:
@@ -167,6 +158,7 @@ def execute(
             locate_events=scenario.run.locate_events,
             tolerance=scenario.run.tolerance,
             compiled=scenario.run.compiled,
+            control=scenario.run.pace(),
         )
     except CosimError as error:
         if not len(record):
