@@ -13,6 +13,7 @@ from .errors import (
     StepError,
     WiringError,
 )
+from .extrapolation import Extrapolated
 from .instance import Advance, Capabilities, Instance
 from .iterated import Iterated
 from .linearize import linearize
@@ -37,6 +38,7 @@ __all__ = [
     "CouplingError",
     "DeclarationError",
     "ExportError",
+    "Extrapolated",
     "Fixed",
     "GaussSeidel",
     "Instance",

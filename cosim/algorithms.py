@@ -42,7 +42,7 @@ class Jacobi:
     def advance(self, attempt: Attempt) -> None:
         """Feed all whose step begins, then step and collect all whose step ends."""
         for name in attempt.beginning:
-            attempt.system.feed(name)
+            attempt.feed(name)
         for name in attempt.due:
             if not attempt.step(name):
                 return
@@ -86,7 +86,7 @@ class GaussSeidel:
     def advance(self, attempt: Attempt) -> None:
         """Feed, step and collect in turn."""
         for name in attempt.due:
-            attempt.system.feed(name)
+            attempt.feed(name)
             if not attempt.step(name):
                 return
             attempt.system.collect(name)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from .clock import seconds
 from .errors import CosimError, CouplingError, StepError
 from .richardson import Estimate
 from .system import System
+
+Feeder = Callable[["Attempt", str], None]
 
 
 @dataclass
@@ -26,11 +29,20 @@ class Attempt:
     discarded: bool = False  # not for an event, but since the step was too long
     terminated: str = ""  # who asked to end the run
     estimate: Estimate | None = None  # of the error made, by algorithms that make one
+    since: int = 0  # ns, the last event at or before the start: what was before it says nothing of what comes
+    ahead: frozenset[str] = frozenset()  # components that show a guess of what they show at the end
+    feeders: tuple[Feeder, ...] = ()  # what changes the inputs of a component after it was fed
 
     @property
     def beginning(self) -> list[str]:
         """Components whose own step begins at the start: all, but those in the midst of a step over several."""
         return [name for name, time in self.system.time.items() if time == self.start]
+
+    def feed(self, name: str) -> None:
+        """Set the inputs of a component for its next step."""
+        self.system.feed(name)
+        for feeder in self.feeders:
+            feeder(self, name)
 
     def step(self, name: str) -> bool:
         """Step a component from where it is to the end; False if it stopped before, which ends the attempt."""

@@ -55,10 +55,14 @@ class Equations:
     announced: tuple[bool, ...]  # per event indicator: does a step return early there
     nominal: np.ndarray  # per state
 
+    @property
+    def follows_inputs(self) -> bool:
+        """Whether inputs that move within a step are seen there: not by a flow over the whole of it."""
+        return self.flow is None or self.micro is not None
+
     def functions(self) -> dict[str, ca.Function]:
         """Return the functions that exist, by name."""
-        names = ("ode", "out", "sync", "flow", "zero", "jump", "where", "jvp")
-        return {n: getattr(self, n) for n in names if getattr(self, n) is not None}
+        return {name: f for name, f in vars(self).items() if isinstance(f, ca.Function)}
 
 
 class Namespace(SimpleNamespace):
@@ -197,8 +201,7 @@ def _symbols(component: Component) -> _Symbols:
 
 def _lookups(component: Component, s: Namespace) -> tuple[tuple[Block, ...], ca.SX]:
     """Return where the rows of each declared table lie, and the keys they are looked up by."""
-    declared = component.declared("table")
-    if not declared:
+    if not (declared := component.declared("table")):
         return (), component.symbols(0, 1)
     found = _evaluate(component, "lookups", s)
     if set(found) != set(declared):

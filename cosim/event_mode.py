@@ -50,7 +50,7 @@ class EventMode:
         self._before: dict[str, list[np.ndarray]] = {}  # what the wires carried when the events began
         self._moving: dict[str, None] = {}  # ports that changed last
         self._stiff = [name for name, i in system.instances.items() if not i.can.variable_step]
-        self._micro = self._rounds = self._crowded = 0
+        self._micro = self.rounds = self._crowded = 0
 
     def _wires_of(self, name: str) -> _Wires:
         mine = [c for c in self.system.connections if c.target.component == name]
@@ -93,7 +93,7 @@ class EventMode:
         A micro step is yielded where something shows: a value changed or a clock ticked.  Raises CouplingError for
         events that do not come to an end.
         """
-        self._micro = self._rounds = 0
+        self._micro = self.rounds = 0
         self._present = [name for name in self.members if self.system.time[name] == time]
         while chosen := {name for name in self._present if self._due(name, time) or self._outdated(name)}:
             yield from self._iterate(time, chosen)
@@ -138,8 +138,8 @@ class EventMode:
                 yield self._micro
             if not self._touched:
                 break
-            self._rounds += 1
-            if self._rounds > MAX_MICRO_STEPS:
+            self.rounds += 1
+            if self.rounds > MAX_MICRO_STEPS:
                 raise self._endless(time, f"{MAX_MICRO_STEPS} micro steps")
             shows = self._update()
             if self.terminated:

@@ -108,7 +108,9 @@ class _Iteration:
         values[self.at] = x
         # who stands at its start is taken back, who does not iterate keeps where it is
         system.restore(replace(self.saved, values=values, others=self.others), self.due)
-        self.last = replace(self.attempt, due=self.due, stepped=[], announced=[], stopped="", terminated="")
+        self.last = replace(
+            self.attempt, due=self.due, stepped=[], announced=[], stopped="", terminated="", ahead=frozenset(self.due)
+        )
         self.how.inner.advance(self.last)
         self.others = system.save(()).others
         return system.values[self.at].copy()

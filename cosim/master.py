@@ -101,6 +101,7 @@ class _Run:
         self.pending: dict[str, int] = {}  # events met for, whose components did not say whether they are passed
         self.began = perf_counter()
         self.terminated = ""
+        self.event_at = info.start_ns  # the last event, or the start
 
     def execute(self, tolerance: float | None) -> Summary:
         """Run to the end; whatever breaks it off is told to the observers first."""
@@ -159,7 +160,7 @@ class _Run:
         saved = self.system.save(self.rewound) if self.rewound else None
         try:
             while True:
-                attempt = Attempt(self.system, start, target, due, self.locating)
+                attempt = Attempt(self.system, start, target, due, self.locating, since=self.event_at)
                 self.algorithm.advance(attempt)
                 if not attempt.stopped:
                     if self.pace is None or self.pace.accepts(attempt):
@@ -183,6 +184,8 @@ class _Run:
                 self.system.forget(saved)
         self.terminated = attempt.terminated
         self.accept(target)
+        if culprit or attempt.announced:
+            self.event_at = target
         if culprit and not discarded and culprit not in attempt.announced:
             self.pending[culprit] = target
         for name in attempt.announced:
@@ -194,6 +197,8 @@ class _Run:
         """Handle the events where everybody is, and tell of each micro step that shows."""
         for micro in self.hybrid.settle(self.now):
             self.accept(self.now, micro)
+        if self.hybrid.rounds:
+            self.event_at = self.now
         self.terminated = self.terminated or self.hybrid.terminated
 
     def _shorter(self, attempt: Attempt, attempts: int) -> int:

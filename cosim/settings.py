@@ -10,6 +10,7 @@ from .acceleration import Method
 from .algorithms import Algorithm, GaussSeidel, Jacobi, Order
 from .consistent import Consistent
 from .control import PI, Fixed
+from .extrapolation import Extrapolated
 from .iterated import Iterated
 from .richardson import Richardson
 
@@ -56,6 +57,7 @@ class RunSettings(_Table):
     algorithm: Literal["gauss-seidel", "jacobi", "iterated"] = "gauss-seidel"
     order: Order = ()
     iterated: IteratedSettings = IteratedSettings()
+    extrapolate: int = Field(0, ge=0, le=2, strict=True)  # degree of the inputs' polynomials within a step
     control: ControlSettings | None = None  # none: every step as long as ``step``
     solve_loops: bool = False  # bring all outputs up to date at every communication point
     trusted: tuple[str, ...] = ()  # who can be read after setting though FMI 2.0 does not promise it
@@ -81,11 +83,15 @@ class RunSettings(_Table):
         chosen: Algorithm = Jacobi() if kind == "jacobi" else GaussSeidel(order)
         if self.algorithm == "iterated":
             chosen = Iterated(chosen, how.method, how.tolerance, how.max_iterations, how.unconverged)
+        if self.extrapolate:
+            chosen = Extrapolated(chosen, self.extrapolate)
         if self.control is not None:
-            chosen = Richardson(chosen, outputs=self.control.outputs)
+            chosen = Richardson(chosen, 1 + self.extrapolate, outputs=self.control.outputs)
         return Consistent(chosen, self.trusted) if self.solve_loops else chosen
 
     def pace(self) -> Fixed | PI:
         """Return how long the steps are to be."""
-        c = self.control
-        return Fixed() if c is None else PI(c.tolerance_rel, c.tolerance_abs, c.min_step, c.max_step or float("inf"))
+        if (c := self.control) is None:
+            return Fixed()
+        longest = c.max_step or float("inf")
+        return PI(c.tolerance_rel, c.tolerance_abs, c.min_step, longest, order=1 + self.extrapolate)

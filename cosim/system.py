@@ -42,6 +42,7 @@ class Saved:
     values: np.ndarray
     others: dict[tuple[str, str], Any]
     snapshots: dict[str, Any]
+    memory: dict[Any, Any]
 
 
 class System:
@@ -53,6 +54,7 @@ class System:
     become the names of the instances.  A system runs once; ``close``, or ``with``, closes its instances.
 
     ``row`` is what everybody shows: the buffers of all, inputs first, that of (component, causality) at ``places``.
+    ``memory`` is what algorithms remember of the past, values that are not changed in place: it is taken back, too.
     """
 
     def __init__(
@@ -73,6 +75,7 @@ class System:
         self.connections = wire(self.instances, connections)
         self.unconnected = self._unconnected()
         self.time: dict[str, int] = {}  # ns, per component; empty until initialised
+        self.memory: dict[Any, Any] = {}
         self.row, self.places = self._bind()
         self._values = self.row[sum(len(i.u) for i in self.instances.values()) :]  # the outputs of all
         self._others: dict[tuple[str, str], Any] = {}
@@ -221,7 +224,7 @@ class System:
     def save(self, names: Iterable[str]) -> Saved:
         """Return what is needed to take *names* back to now; ``forget`` it when done."""
         snapshots = {name: self.instances[name].snapshot() for name in names}
-        return Saved(self.time.copy(), self._values.copy(), self._others.copy(), snapshots)
+        return Saved(self.time.copy(), self._values.copy(), self._others.copy(), snapshots, self.memory.copy())
 
     def restore(self, saved: Saved, names: Iterable[str]) -> None:
         """Take *names* (those that stepped since) back to where they were saved."""
@@ -230,6 +233,7 @@ class System:
         self.time.update(saved.time)
         self._values[:] = saved.values
         self._others.update(saved.others)
+        self.memory = saved.memory.copy()
 
     def forget(self, saved: Saved) -> None:
         """Free what ``save`` returned."""

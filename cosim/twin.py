@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from math import ceil
 from typing import Any
 
@@ -29,7 +30,9 @@ class PythonInstance(Instance):
         self.component = component
         self.eq: Equations = component.equations
         super().__init__(name, component.variables)
-        self.can = Capabilities(True, True, any(self.eq.announced), True, input_derivatives=2)
+        self.can = Capabilities(True, True, any(self.eq.announced), True)
+        if self.eq.follows_inputs:
+            self.can = replace(self.can, input_derivatives=2)
         self.t = 0.0
         self.x = self._starts(self.eq.states)
         self.p = self._starts(self.eq.parameters)

@@ -56,6 +56,7 @@ def _text(root: ET.Element) -> str:
 
 def _interface(root: ET.Element, layout: Layout, identifier: str, fmi: int) -> None:
     interface = ET.SubElement(root, "CoSimulation", modelIdentifier=identifier)
+    follows = "true" if layout.component.equations.follows_inputs else "false"
     announces = "true" if any(layout.component.equations.announced) else "false"
     if fmi == 2:
         flags = {
@@ -64,7 +65,7 @@ def _interface(root: ET.Element, layout: Layout, identifier: str, fmi: int) -> N
             "canGetAndSetFMUstate": "true",
             "canSerializeFMUstate": "true",
             "providesDirectionalDerivative": "true",
-            "canInterpolateInputs": "true",
+            "canInterpolateInputs": follows,
         }
         ET.SubElement(ET.SubElement(interface, "SourceFiles"), "File", name=SOURCE)
     else:
@@ -73,7 +74,7 @@ def _interface(root: ET.Element, layout: Layout, identifier: str, fmi: int) -> N
             "canSerializeFMUState": "true",
             "providesDirectionalDerivatives": "true",
             "canHandleVariableCommunicationStepSize": "true",
-            "providesIntermediateUpdate": "true",
+            "providesIntermediateUpdate": follows,
             "mightReturnEarlyFromDoStep": announces,
             "hasEventMode": announces,
         }
@@ -126,7 +127,7 @@ def _arrays(root: ET.Element, layout: Layout) -> None:
     for v in layout.variables:
         element = ET.SubElement(parent, v.type, name=v.name, valueReference=str(layout.reference[v.name]))
         element.attrib |= _attributes(layout, v)
-        if v.causality == "input":
+        if v.causality == "input" and layout.component.equations.follows_inputs:
             element.set("intermediateUpdate", "true")
         if v.type == "String":
             ET.SubElement(element, "Start", value=str(v.start))

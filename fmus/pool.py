@@ -52,16 +52,17 @@ class Pool:
         isolated: bool | None = None,
         time_limit: float | None = None,
         retry: bool = False,
+        smooth: bool = False,
     ) -> Loaded:
         """Return an instance as ``fmus.load`` does, a waiting one if there is one; ``release`` it after the run."""
         archive = self._archive(path)
-        key = (archive.folder, isolated, time_limit, retry)
+        key = (archive.folder, isolated, time_limit, retry, smooth)
         waiting = self._waiting.get(key)
         if waiting:
             instance = waiting.pop()
             instance.name = name or archive.model
         else:
-            instance = opened(archive, name, isolated=isolated, time_limit=time_limit, retry=retry)
+            instance = opened(archive, name, isolated=isolated, time_limit=time_limit, retry=retry, smooth=smooth)
         self._lent[instance] = key
         return instance
 
@@ -73,10 +74,12 @@ class Pool:
         fmi: int = 3,
         isolated: bool | None = None,
         time_limit: float | None = None,
+        smooth: bool = False,
     ) -> Loaded:
         """Return an instance as ``fmus.instantiate`` does; ``release`` it after the run."""
         name = name or type(component).__name__
-        instance = self.load(build(component, fmi=fmi), name, isolated=isolated, time_limit=time_limit)
+        path = build(component, fmi=fmi)
+        instance = self.load(path, name, isolated=isolated, time_limit=time_limit, smooth=smooth)
         return with_values(instance, component)
 
     def release(self, instances: Iterable[Instance], *, failed: bool = False) -> None:

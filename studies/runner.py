@@ -70,18 +70,20 @@ def instantiate(
     """Build (or find in the cache) and load one FMU per slot, from the *pool* if there is one; set its values."""
     source = pool or fmus
     instances: dict[str, Instance] = {}
+    settings = assembly.scenario.run
+    smooth = settings.extrapolate > 0
     try:
         for name, part in assembly.components.items():
             slot = assembly.scenario.slot(name)
             if isinstance(part, Component):
                 say(f"FMU {type(part).__name__}")
                 instances[name] = source.instantiate(
-                    part, name, fmi=assembly.scenario.run.fmi, isolated=slot.isolated, time_limit=slot.time_limit
+                    part, name, fmi=settings.fmi, isolated=slot.isolated, time_limit=slot.time_limit, smooth=smooth
                 )
             else:
                 say(f"FMU {part}")
                 instances[name] = source.load(
-                    part, name, isolated=slot.isolated, time_limit=slot.time_limit, retry=slot.retry
+                    part, name, isolated=slot.isolated, time_limit=slot.time_limit, retry=slot.retry, smooth=smooth
                 )
         rover.apply(assembly.starts, instances)
     except BaseException:

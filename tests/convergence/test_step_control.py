@@ -49,7 +49,8 @@ def test_pi_keeps_each_step_within_its_tolerance_and_the_run_near_it(inner: Any)
     errors = []
     for tolerance in (1e-3, 1e-4):
         record, control = Record(["mass.pos"]), PI(tolerance, tolerance)
-        run(damped(), Richardson(inner), step=S // 100, stop=S, observers=[record], control=control)
+        run(damped(), Richardson(inner, outputs=("mass.*",)), step=S // 100, stop=S, observers=[record],
+            control=control)  # fmt: skip
         errors.append(abs(record["mass.pos"][-1] - damped_exactly(1.0)))
         steps = len(record) - 1
         assert errors[-1] <= steps * 2 * tolerance  # size of mass.pos at most 1: absolute and relative part

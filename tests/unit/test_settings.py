@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cosim import PI, Consistent, CouplingError, Fixed, GaussSeidel, Iterated, Jacobi, Richardson
+from cosim import PI, Consistent, CouplingError, Extrapolated, Fixed, GaussSeidel, Iterated, Jacobi, Richardson
 from cosim.scenario import ScenarioFile
 from cosim.settings import RunSettings
 from studies.runner import execute
@@ -34,6 +34,11 @@ CASES: list[tuple[dict[str, Any], Any, Any]] = [
         {"control": {"tolerance_rel": 1e-3, "tolerance_abs": 1e-2, "min_step": 1e-6, "outputs": ["a.*"]}},
         Richardson(GaussSeidel(ORDER), outputs=("a.*",)),
         PI(1e-3, 1e-2, 1e-6),
+    ),
+    (
+        {"algorithm": "iterated", "extrapolate": 1, "control": {}},
+        Richardson(Extrapolated(Iterated(GaussSeidel(ORDER)), 1), order=2),
+        PI(order=2),
     ),
     ({"control": {"max_step": 1e-3}}, Richardson(GaussSeidel(ORDER)), PI(max_step=1e-3)),
 ]
