@@ -7,22 +7,27 @@ and `full_order_step`; between communication points the harness takes micro step
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from cosim import Component, DeclarationError, input, output, parameter, state, structural, table
+from cosim import DeclarationError, parameter, state, structural, table
 
-from .full_order_step import NAMES, WHEELS, frames, micro_step, packed, ring, rows_of, turning
-from .ring import CONTACT, MATERIAL, share, shifted
+from .contact import COLUMNS as PATH_COLUMNS
+from .full_order_accounts import energies, momenta
+from .full_order_ports import NAMES, FullOrderPorts, packed, seen
+from .full_order_step import frames, micro_step, rotation, turning
+from .rigid_body import LEVEL, wheel_centres
+from .ring import MATERIAL, share, shifted
 from .ring_contact import COLUMNS, keys
 
 _LEVEL = [[-1e9, *3 * (0, 0, 0, 0)]]
 _SAFETY = 0.5  # of the longest stable micro step
 
 
-class FullOrderRover(Component):
+class FullOrderRover(FullOrderPorts):
     """Body, four rims with rubber rings, and chassis modes.
 
     World: x along the road, z up.  Wheels front-left, front-right, rear-left, rear-right; the left ones roll on the
@@ -37,6 +42,10 @@ class FullOrderRover(Component):
     nodes = structural(32, "nodes of each ring")
     points = structural(128, "points of each ring that meet the ground, a multiple of the nodes")
     modes = structural(1, "number of elastic modes of the chassis")
+    drive = structural(
+        "motor", "what is asked of a wheel: torque on its rim, within friction, or a force laid on, without limit",
+        choices=("motor", "load"),
+    )  # fmt: skip
 
     m = parameter(170.0, "kg", "mass of the body, rims included")
     inertia = parameter([20.0, 47.0, 55.0], "kg.m2", "principal moments of inertia: roll, pitch, yaw")
@@ -67,11 +76,8 @@ class FullOrderRover(Component):
     micro_step = parameter(1e-5, "s", "longest step inside a communication step")
     ground_left = table(COLUMNS, "ground of the left track", start=_LEVEL)
     ground_right = table(COLUMNS, "ground of the right track", start=_LEVEL)
-
-    torque = input("N.m", "motor torque of each wheel", shape=4)
-    traction_demand = input("N", "traction asked of each wheel, forward positive", shape=4)
-    force = input("N", "external force at the centre of mass, world axes", shape=3)
-    moment = input("N.m", "external moment, body axes", shape=3)
+    left = table(PATH_COLUMNS, "path of a round wheel's centre on the left track", start=LEVEL)
+    right = table(PATH_COLUMNS, "path of a round wheel's centre on the right track", start=LEVEL)
 
     r = state([0.0, 0.0, 0.5], "m", "position of the body's centre of mass, world")
     q = state([1.0, 0.0, 0.0, 0.0], "1", "attitude quaternion (w, x, y, z), body to world")
@@ -100,6 +106,7 @@ class FullOrderRover(Component):
     axle_sum = state([[0.0] * 3] * 4, "N.s", "impulse of each wheel on the body since then, body axes", nominal=0.1)
     elapsed = state(0.0, "s", "time since the step began")
     v_begun = state([0.0] * 3, "m/s", "velocity when the step began")
+    rate_begun = state([0.0] * 3, "rad/s", "angular velocity then, body axes")
     push = state(0.0, "N", "normal force of the ground on each node", shape=(4, "nodes"))
     pull = state(0.0, "N", "friction on each node", shape=(4, "nodes"))
     damped = state(0.0, "J", "energy lost in dampers since the start")
@@ -108,27 +115,6 @@ class FullOrderRover(Component):
     worked = state(0.0, "J", "work of motors and external forces since the start")
     impulse = state([0.0] * 3, "N.s", "impulse of all external forces since the start, world")
     twist = state([0.0] * 3, "N.m.s", "angular impulse of all external forces about the world's origin")
-
-    position = output("m", "position of the body's centre of mass, world", shape=3)
-    orientation = output("1", "attitude quaternion (w, x, y, z), body to world", shape=4)
-    velocity = output("m/s", "velocity of the body's centre of mass, world", shape=3)
-    velocity_body = output("m/s", "the same in body axes", shape=3)
-    rate = output("rad/s", "angular velocity, body axes", shape=3)
-    pitch = output("rad", "pitch angle, nose-up positive")
-    acceleration = output("m/s2", "mean acceleration over the step, body axes", shape=3)
-    normal_force = output("N", "mean normal force of each wheel", shape=4)
-    normal_force_end = output("N", "normal force of each wheel at the end of the step", shape=4)
-    traction = output("N", "mean friction along the ground, forward positive", shape=4)
-    lateral = output("N", "mean lateral force, to the left positive", shape=4)
-    axle_force = output("N", "mean force of each wheel on the body, body axes", shape=(4, 3))
-    contact = output("1", "1 where a wheel presses the ground, else 0", shape=4)
-    wheel_centre = output("m", "hubs, world", shape=(4, 3))
-    kinetic_energy = output("J", "kinetic energy of body, rims, rings and modes")
-    elastic_energy = output("J", "energy stored in rings and modes")
-    contact_energy = output("J", "energy stored in contacts and bristles")
-    momentum = output("N.s", "linear momentum, world", shape=3)
-    angular_momentum = output("N.m.s", "angular momentum about the world's origin", shape=3)
-    stable_step = output("s", "longest micro step that is stable for these parameters")
 
     def __init__(self, **values: Any) -> None:
         super().__init__(**values)
@@ -151,12 +137,15 @@ class FullOrderRover(Component):
             x = (getattr(s, f"x_{name}").T + s.dt / 2 * getattr(s, f"v_{name}").T)[0, :]
             four = ca.vertcat(*(shifted(x, by) for by in (-1, 0, 1, 2)))
             found.append(ca.vec(keys(s.nodes, s.points // s.nodes).map(s.nodes)(four)))
-        return {"ground_left": ca.vertcat(found[0], found[2]), "ground_right": ca.vertcat(found[1], found[3])}
+        hubs = wheel_centres(s, rotation()(s.q))[:, 0]
+        return {"ground_left": ca.vertcat(found[0], found[2]), "ground_right": ca.vertcat(found[1], found[3]),
+                "left": hubs[[0, 2]], "right": hubs[[1, 3]]}  # fmt: skip
 
     def sync(s: Any) -> dict[str, Any]:
         none = ca.MX.zeros(4)
+        _, omega = turning()(s.q, s.H, s.spin, s.inertia, s.J_w)
         return {"q": s.q / ca.norm_2(s.q), "normal_sum": none, "traction_sum": none, "lateral_sum": none,
-                "axle_sum": ca.MX.zeros(4, 3), "elapsed": 0, "v_begun": s.v}  # fmt: skip
+                "axle_sum": ca.MX.zeros(4, 3), "elapsed": 0, "v_begun": s.v, "rate_begun": omega}  # fmt: skip
 
     def flow(s: Any) -> dict[str, Any]:
         return micro_step(s)
@@ -165,49 +154,24 @@ class FullOrderRover(Component):
         began = s.elapsed > 0
         span = ca.if_else(began, s.elapsed, 1)
         R, omega = turning()(s.q, s.H, s.spin, s.inertia, s.J_w)
+        lift, lift_rate = s.wheel_shape @ s.modal_q, s.wheel_shape @ s.modal_rate
         size = packed(s, ("L_f", "L_r", "half_track", "h"))
-        frame, _ = frames()(R, omega, s.r, s.v, size, s.wheel_shape @ s.modal_q, s.wheel_shape @ s.modal_rate,
-                            s.spin, s.angle)  # fmt: skip
+        frame, _ = frames()(R, omega, s.r, s.v, size, lift, lift_rate, s.spin, s.angle)
+        normal, axle = ca.if_else(began, s.normal_sum / span, s.pressing), s.axle_sum / span
+        found = seen(s, omega, lift, lift_rate, s.lateral_sum / span)
         return {
             "position": s.r, "orientation": s.q, "velocity": s.v, "velocity_body": R.T @ s.v, "rate": omega,
             "pitch": ca.asin(ca.fmax(-1, ca.fmin(1, R[2, 0]))),
             "acceleration": R.T @ ca.if_else(began, (s.v - s.v_begun) / span, 0),
-            "normal_force": ca.if_else(began, s.normal_sum / span, s.pressing), "normal_force_end": s.pressing,
-            "traction": s.traction_sum / span, "lateral": s.lateral_sum / span, "axle_force": s.axle_sum / span,
+            "angular_acceleration": ca.if_else(began, (omega - s.rate_begun) / span, 0),
+            "wheel_spin": s.spin - omega[1],
+            "normal_force": normal, "normal_force_end": s.pressing, "friction_limit": s.mu_s * normal,
+            "traction": s.traction_sum / span, "lateral": s.lateral_sum / span,
+            "axle_force": axle, "wheel_force": axle[:, 2],
             "contact": s.pressing > 0, "wheel_centre": frame[9:12, :].T, "stable_step": _stable(s),
-            **_energies(s, omega, frame), **_momenta(s),
+            **found, "deformation": found["gap"], "deformation_rate": found["gap_rate"],
+            **energies(s, omega, frame), **momenta(s),
         }  # fmt: skip
-
-
-def _energies(s: Any, omega: Any, frame: Any) -> dict[str, Any]:
-    material, contact = packed(s, MATERIAL), packed(s, CONTACT)
-    of = [
-        ring(s.nodes, s.points).energies(getattr(s, f"x_{NAMES[k]}").T, getattr(s, f"v_{NAMES[k]}").T,
-                                         getattr(s, f"z_{NAMES[k]}").T, rows_of(s, k), frame[:, k], material, contact)
-        for k in WHEELS
-    ]  # fmt: skip
-    moving = (
-        s.m * ca.sumsqr(s.v) + ca.dot(omega, s.inertia * omega) + s.J_w * ca.sumsqr(s.spin) + ca.sumsqr(s.modal_rate)
-    )
-    rings = share(material, s.nodes).mass * sum(ca.sumsqr(getattr(s, f"v_{n}")) for n in NAMES)
-    modal = ca.sumsqr(2 * np.pi * s.frequency * s.modal_q) / 2
-    return {
-        "kinetic_energy": (moving + rings) / 2,
-        "elastic_energy": modal + sum(o[0] for o in of),
-        "contact_energy": sum(o[1] for o in of),
-    }
-
-
-def _momenta(s: Any) -> dict[str, Any]:
-    mass = share(packed(s, MATERIAL), s.nodes).mass
-    linear, angular = s.m * s.v, s.H + s.m * ca.cross(s.r, s.v)
-    for name in NAMES:
-        x, v = getattr(s, f"x_{name}").T, getattr(s, f"v_{name}").T
-        linear += mass * ca.sum2(v)
-        angular += mass * ca.sum2(ca.vertcat(x[1, :] * v[2, :] - x[2, :] * v[1, :],
-                                             x[2, :] * v[0, :] - x[0, :] * v[2, :],
-                                             x[0, :] * v[1, :] - x[1, :] * v[0, :]))  # fmt: skip
-    return {"momentum": linear, "angular_momentum": angular}
 
 
 def _stable(s: Any) -> Any:
@@ -223,22 +187,5 @@ def _stable(s: Any) -> Any:
 
 def stable_step(rover: FullOrderRover) -> float:
     """Return the longest micro step (s) that is stable for the parameters of *rover*, with a margin of two."""
-    from types import SimpleNamespace
-
     s = SimpleNamespace(**{n: ca.DM(v) for n, v in rover.values.items()}, nodes=rover.nodes)
     return float(_stable(s))
-
-
-def rolling(rover: FullOrderRover, x: float, height: float, speed: float) -> dict[str, np.ndarray]:
-    """Return the start values of a robot that rolls level on undeformed wheels, its body at *height* (m)."""
-    v, n = rover.values, rover.nodes
-    R, spin = float(v["R"]), speed / float(v["R"])
-    phi = 2 * np.pi * np.arange(n) / n
-    starts = {"r": np.array([x, 0, height]), "v": np.array([speed, 0, 0]), "spin": np.full(4, spin),
-              "H": np.array([0, 4 * float(v["J_w"]) * spin, 0])}  # fmt: skip
-    for k, name in enumerate(NAMES):
-        hub = [x + float(v["L_f"] if k < 2 else -v["L_r"]), float(v["half_track"]) * (1 if k % 2 == 0 else -1),
-               height - float(v["h"])]  # fmt: skip
-        starts[f"x_{name}"] = hub + R * np.column_stack([np.sin(phi), 0 * phi, np.cos(phi)])
-        starts[f"v_{name}"] = np.array([speed, 0, 0]) + spin * R * np.column_stack([np.cos(phi), 0 * phi, -np.sin(phi)])
-    return starts

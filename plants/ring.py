@@ -106,6 +106,12 @@ def shifted(rows: Any, by: int) -> Any:
     return ca.horzcat(rows[:, by:], rows[:, :by]) if by else rows
 
 
+def crossed(a: Any, b: Any) -> Any:
+    """Return the cross products of the columns (3, n)."""
+    return ca.vertcat(a[1, :] * b[2, :] - a[2, :] * b[1, :], a[2, :] * b[0, :] - a[0, :] * b[2, :],
+                      a[0, :] * b[1, :] - a[1, :] * b[0, :])  # fmt: skip
+
+
 def between(nodes: int, at: float) -> np.ndarray:
     """Return the weights (4,) of the nodes -1, 0, 1, 2 in the point at the fraction *at* of the way from 0 to 1.
 

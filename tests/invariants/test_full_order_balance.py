@@ -7,8 +7,9 @@ import pytest
 
 import fmus
 from cosim.clock import NS
-from plants.full_order import FullOrderRover, rolling
+from plants.full_order import FullOrderRover
 from plants.full_order_ground import ground_table
+from plants.full_order_start import rolling
 from plants.ground import Ramp
 
 STEP = NS // 10_000

@@ -19,7 +19,8 @@ from controllers.slip_control import SlipControl
 from controllers.steered import Steered
 from controllers.uncontrolled import Uncontrolled
 from plants.chassis_modal import ChassisModal
-from plants.full_order import FullOrderRover, rolling
+from plants.full_order import FullOrderRover
+from plants.full_order_start import rolling
 from plants.ground import Ground, Ramp
 from plants.rigid_body import RigidBody
 from plants.rigid_contact import RigidContact
