@@ -1,4 +1,4 @@
-"""How the robot of full order stands or rolls when a run starts: on round wheels in the air, or settled on pressed ones."""
+"""How the robot of full order moves when a run starts: on round wheels without load, or settled on pressed ones."""
 
 from __future__ import annotations
 

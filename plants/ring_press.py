@@ -1,7 +1,7 @@
 """The press test of a wheel: how a ring stands on level ground, what that says of its stiffness, and calibration.
 
-A hub that has come down by *depth* holds a frictionless ring at rest: the nodes lie where the energy of ring and contact
-is least.  All stiffnesses are proportional to one scale s, so
+A hub that has come down by *depth* holds a frictionless ring at rest: the nodes lie where the energy of ring and
+contact is least.  All stiffnesses are proportional to one scale s, so
 
     F(depth; s) = s F(depth; 1)
 
@@ -30,12 +30,13 @@ from .ring_wheel import ring
 STIFFNESSES = ("k_radial", "k_tangential", "EA", "EI", "k_contact", "k_bristle")
 DAMPINGS = ("c_radial", "c_tangential")
 _ITERATIONS = 60
+_SPREAD = 0.04  # m, about the length of ring that carries a load: where the search for a depth begins
 _RESIDUAL = 1e-9  # of the load
 
 
 @dataclass(frozen=True)
 class Press:
-    """A wheel at rest on level ground: depth in m, force in N, nodes (n, 2) from the hub in m, length of contact in m."""
+    """A wheel at rest on level ground: depth (m), force (N), nodes (n, 2) from the hub (m), length of contact (m)."""
 
     depth: float
     force: float
@@ -118,6 +119,21 @@ def mean_load(values: Mapping[str, Any], nodes: int, points: int, depth: float, 
     return _mean(tuple((n, float(values[n])) for n in (*MATERIAL, *CONTACT)), nodes, points, depth, turns)
 
 
+def depth_under(values: Mapping[str, Any], nodes: int, points: int, load: float) -> float:
+    """Return the depth (m) at which `mean_load` is *load* (N), by secants on their logarithms."""
+    depth, before = load / (_SPREAD * float(values["k_radial"])), (0.0, 0.0)
+    slope = 1.2  # of the logarithms, for a ring
+    for _ in range(_ITERATIONS):
+        off = np.log(mean_load(values, nodes, points, depth) / load)
+        if abs(off) < 1e-6:
+            return depth
+        if before[0]:
+            slope = (off - before[1]) / np.log(depth / before[0])
+        before = (depth, off)
+        depth = float(depth * np.exp(-off / slope))
+    raise DeclarationError(f"no depth of a ring carries {load:.4g} N; the last one tried was {depth:.3g} m")
+
+
 def calibrated(values: Mapping[str, Any], nodes: int, points: int, k_w: float, load: float) -> dict[str, float]:
     """Return the STIFFNESSES scaled so that a wheel under *load* (N) has the static radial stiffness *k_w* (N/m)."""
     scale = load / mean_load(values, nodes, points, load / k_w)
@@ -154,3 +170,16 @@ def resting(values: Mapping[str, Any], nodes: int, points: int, load: float, gue
         before = (found.depth, found.force)
         found = press(values, nodes, points, found.depth + (load - found.force) / slope)
     raise DeclarationError(f"no depth of a ring carries {load:.4g} N; the last one tried was {found.depth:.3g} m")
+
+
+def pressed(rover: Any) -> dict[str, np.ndarray]:
+    """Return ``k_w`` (N/m), ``c_w`` (N.s/m) and ``mu`` of each wheel of a `FullOrderRover`, as a press test finds them.
+
+    They are those under a quarter of its weight; ``mu`` is infinite where traction is laid on without friction.
+    """
+    values, size = rover.values, (rover.nodes, rover.points)
+    load = rover.m * rover.g / 4
+    depth = depth_under(values, *size, load)
+    mu = rover.mu_s if rover.drive == "motor" else np.inf
+    found = {"k_w": load / depth, "c_w": damping(values, *size, depth), "mu": mu}
+    return {name: np.full(4, value) for name, value in found.items()}

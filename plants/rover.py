@@ -39,7 +39,9 @@ WIRES: dict[str, tuple[str, ...]] = {
     "drive.torque": ("controller.torque",),
     "drive.contact_velocity": ("body.contact_velocity",),
     "drive.normal_force": ("wheels.normal_force_end",),
-    "controller.normal_force": ("wheels.normal_force_end",),
+    "controller.normal_force": ("wheels.normal_force_end", "body.normal_force_end"),
+    "body.torque": ("controller.torque",),
+    "body.traction_demand": ("controller.traction_demand",),
 }
 # whatever else a controller or a drive reads: the port of the same name of these, the first that has it
 _SENSED = {"controller": ("drive", "body", "wheels"), "drive": ("body", "wheels")}

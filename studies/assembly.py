@@ -15,9 +15,11 @@ from cosim.algorithms import Order
 from cosim.errors import ScenarioError, nearest
 from cosim.scenario import LinkSpec, Scenario, Slot, describe_problem
 from plants import rover
+from plants.full_order import FullOrderRover
 from plants.ground import Ground
 from plants.tables import Robot, robot
 
+from . import full_order
 from .catalog import fill, profile
 from .designs import DESIGNS, Context
 from .metrics import check_groups
@@ -128,8 +130,11 @@ def _rover(scenario: Scenario, objects: Mapping[str, Component]) -> Assembly:
     changes = dict(sections.robot)
     bot = robot(str(changes.pop("table", "thesis_6_1"))).with_changes(**changes)
     road = _ground(sections.ground)
+    whole = full_order.is_whole(scenario)
+    if whole:
+        scenario = full_order.merged(scenario)
     slots = {"body": Slot(type="RigidBody"), **scenario.components}
-    if "wheels" not in {**slots, **objects}:
+    if not whole and "wheels" not in {**slots, **objects}:
         raise ScenarioError(f"{scenario.name}: components.wheels is missing; a rover needs wheels")
     parts: dict[str, Component | str] = dict(objects)
     # a design builds on the parts that need none, that of a controller on all others
@@ -142,8 +147,12 @@ def _rover(scenario: Scenario, objects: Mapping[str, Component]) -> Assembly:
     parts = {name: parts[name] for name in (*rover.ORDER, *slots) if name in parts}
     starts: dict[str, np.ndarray] = {}
     own = {n: c for n, c in parts.items() if isinstance(c, Component)}
-    if "body" in own and "wheels" in own:
-        starts = rover.start_values(own, rover.Stance(sections.start.x, sections.start.speed))
+    stance = rover.Stance(sections.start.x, sections.start.speed)
+    body = own.get("body")
+    if isinstance(body, FullOrderRover):
+        starts = full_order.start_values(body, road, stance)
+    elif "body" in own and "wheels" in own:
+        starts = rover.start_values(own, stance)
     notes: tuple[str, ...] = ()
     if scenario.run.algorithm == "jacobi":
         notes = (

@@ -8,6 +8,7 @@ designed for another robot than the one it drives.
 from __future__ import annotations
 
 from .context import Context, Design
+from .full_order import full_order
 from .impact import pd_impact, pole_placement
 from .jerk import force_profile, jerk_traction
 from .pitch import pitch_trajectory
@@ -25,6 +26,7 @@ DESIGNS: dict[str, Design] = {
     "SlipControl": slip_control,
     "Steered": steered,
     "WheelDrive": wheel_drive,
+    "FullOrderRover": full_order,
 }
 
 __all__ = ["DESIGNS", "Context", "Design"]

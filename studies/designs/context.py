@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from cosim import Component
+from plants.full_order import FullOrderRover
 from plants.ground import Ground
+from plants.ring_press import pressed
 from plants.tables import Robot
 
 
@@ -23,9 +25,16 @@ class Context:
     parts: Mapping[str, Component | str]
 
     def wheels(self) -> Mapping[str, Any]:
-        """Return the parameters of the wheels by name; empty for a foreign FMU."""
-        wheels = self.parts.get("wheels")
+        """Return the parameters of the wheels by name, those of rings from a press test; empty for a foreign FMU."""
+        body, wheels = self.parts.get("body"), self.parts.get("wheels")
+        if isinstance(body, FullOrderRover):
+            return pressed(body)
         return wheels.values if isinstance(wheels, Component) else {}
+
+    def traction_arm(self) -> str:
+        """Return where traction acts, ``ground`` or ``centre``."""
+        body = self.parts.get("body")
+        return str(body.structure.get("traction_arm", "ground")) if isinstance(body, Component) else "ground"
 
     def believed(self, parameters: dict[str, Any]) -> Robot:
         """Return the robot that a design believes in: takes ``robot`` out of the *parameters* and lays it over."""

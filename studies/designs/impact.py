@@ -108,9 +108,7 @@ def _order(kind: type[Component], parameters: dict[str, Any], context: Context) 
     asked = {name: parameters.get(name, start[name]) for name in ("period", "model", "k_w", "c_w")}
     if asked["model"] not in ("axles", "wheels"):
         kind(model=asked["model"])  # says what is wrong with it
-    body = context.parts.get("body")
-    arm = str(body.structure["traction_arm"]) if isinstance(body, Component) else "ground"
-    at = interface(robot, posture, asked["model"], asked["k_w"], asked["c_w"], arm)
+    at = interface(robot, posture, asked["model"], asked["k_w"], asked["c_w"], context.traction_arm())
     return _Order(parameters, words, posture, at, asked["period"])
 
 

@@ -34,11 +34,6 @@ _PLANNED = {
 }
 
 
-def _arm(context: Context) -> str:
-    body = context.parts.get("body")
-    return str(body.structure["traction_arm"]) if isinstance(body, Component) else "ground"
-
-
 def _frame(robot: Robot, arm: str, share: float) -> Frame:
     return Frame(robot.m, robot.I_y, robot.L_f, robot.L_r, robot.h, robot.R, share, 1.0 if arm == "ground" else 0.0)
 
@@ -56,7 +51,7 @@ def jerk_traction(parameters: dict[str, Any], context: Context) -> Component:
     robot = context.believed(parameters)
     known = {
         "m": robot.m, "I_y": robot.I_y, "L_f": robot.L_f, "L_r": robot.L_r, "h": robot.h, "R": robot.R,
-        "mu": _friction(context), "speed": context.speed, "traction_arm": _arm(context), "torque_max": _TORQUE,
+        "mu": _friction(context), "speed": context.speed, "traction_arm": context.traction_arm(), "torque_max": _TORQUE,
     }  # fmt: skip
     return JerkTraction(**{**known, **parameters})
 
@@ -111,4 +106,4 @@ def road_of(context: Context, robot: Robot, share: float, until: float | None = 
         raise ScenarioError("a plan sees the robot from the side, but the left and the right track differ here")
     end = context.x + context.speed * context.duration if until is None else until
     x = np.linspace(context.x, end, 1 + max(2, round((end - context.x) / _SPACING)))
-    return crossing(_frame(robot, _arm(context), share), rolling_path(context.ground.left, robot.R), x)
+    return crossing(_frame(robot, context.traction_arm(), share), rolling_path(context.ground.left, robot.R), x)

@@ -1,0 +1,89 @@
+"""The robot of full order in a scenario of the analytical one: one line swaps the plant.
+
+    [components.body]
+    type = "FullOrderRover"
+
+What the scenario says of wheels, chassis and drive then describes the rings and the modes, and these slots fall away;
+what it puts into the connections of the wheels stands in those of the body.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cosim.errors import ScenarioError
+from cosim.scenario import Scenario, Slot
+from plants.full_order import FullOrderRover
+from plants.full_order_start import rolling, settled
+from plants.ground import Ground
+from plants.rover import Stance
+
+from .metrics import Signals
+
+TYPE = FullOrderRover.__name__
+_WHEELS = ("k_w", "c_w", "mu")  # what is taken from the slot of the wheels
+_LEVEL = 1e-9  # m
+_FOOT = 0.2  # of the radius: the ground there is level under a standing wheel
+
+
+def is_whole(scenario: Scenario) -> bool:
+    """Return whether the robot of a scenario is the one of full order."""
+    return "body" in scenario.components and scenario.components["body"].type == TYPE
+
+
+def merged(scenario: Scenario) -> Scenario:
+    """Return the scenario with its wheels and its chassis in the slot of the body."""
+    slots = dict(scenario.components)
+    found: dict[str, Any] = {}
+    for name in ("wheels", "chassis", "drive"):
+        slot = slots.pop(name, None)
+        if slot is None:
+            continue
+        if slot.fmu is not None:
+            raise ScenarioError(f"components.{name} is the FMU {slot.fmu}, but a {TYPE} has its own {name}")
+        if name == "wheels":
+            found |= {key: value for key, value in slot.parameters().items() if key in _WHEELS}
+        elif name == "chassis":
+            found["chassis"] = slot.parameters()
+    body = slots["body"]
+    slots["body"] = Slot.model_validate({**found, **body.model_dump(exclude_unset=True)})
+    through = {f"body.{t.removeprefix('wheels.')}" if t.startswith("wheels.") else t: chain
+               for t, chain in scenario.through.items()}  # fmt: skip
+    return scenario.model_copy(update={"components": slots, "through": through})
+
+
+def start_values(rover: FullOrderRover, ground: Ground, stance: Stance) -> dict[str, np.ndarray]:
+    """Return ``body.state`` at the start: settled on level ground, or on round wheels where gravity is yet to come.
+
+    Raises ScenarioError where the wheels are not on level ground.
+    """
+    hubs = stance.x + np.array([rover.L_f, -rover.L_r])
+    offset = rover.R * np.linspace(-1, 1, 201)
+    heights = np.array([side.elevation(x + offset) for side in (ground.left, ground.right) for x in hubs])
+    level = float(heights[0, 100])
+    below = level + rover.R - np.sqrt(rover.R**2 - offset**2)  # a round wheel that stands at that level
+    foot = np.abs(offset) <= _FOOT * rover.R
+    if np.ptp(heights[:, foot]) > _LEVEL or np.any(heights > below + _LEVEL):
+        raise ScenarioError(
+            f"a {TYPE} starts with all wheels on level ground, but at start.x = {stance.x:g} m the wheels at "
+            f"{hubs[0]:.4g} and {hubs[1]:.4g} m meet something else; change start.x, or move the obstacle"
+        )
+    if rover.gravity_time > 0:
+        found = rolling(rover, stance.x, level + rover.R + rover.h, stance.speed)
+    else:
+        found = settled(rover, stance.x, level, stance.speed)
+    return {f"body.{name}": value for name, value in found.items()}
+
+
+def as_wheels(read: Signals) -> Signals:
+    """Return *read* that gives the body's ports for those of wheels where there are no wheels."""
+
+    def found(name: str) -> np.ndarray | None:
+        values = read(name)
+        if values is None and name.startswith("wheels."):
+            return read(f"body.{name.removeprefix('wheels.')}")
+        return values
+
+    return found
