@@ -42,10 +42,6 @@ class FullOrderRover(FullOrderPorts):
     nodes = structural(32, "nodes of each ring")
     points = structural(128, "points of each ring that meet the ground, a multiple of the nodes")
     modes = structural(1, "number of elastic modes of the chassis")
-    drive = structural(
-        "motor", "what is asked of a wheel: torque on its rim, within friction, or a force laid on, without limit",
-        choices=("motor", "load"),
-    )  # fmt: skip
 
     m = parameter(170.0, "kg", "mass of the body, rims included")
     inertia = parameter([20.0, 47.0, 55.0], "kg.m2", "principal moments of inertia: roll, pitch, yaw")
@@ -69,6 +65,7 @@ class FullOrderRover(FullOrderPorts):
     mu_s = parameter(0.8, "1", "coefficient of static friction")
     mu_d = parameter(0.3, "1", "coefficient of dynamic friction")
     v_slip = parameter(0.2, "m/s", "speed of sliding at which the difference of the two has fallen to 1/e")
+    laid_on = parameter(0.0, "1", "share of the traction asked for that is laid on at the ground, without limit")
     v_drive = parameter(0.5, "m/s", "slip at which a drive that is asked for traction gives half of it")
     frequency = parameter(25.0, "Hz", "undamped natural frequencies", shape="modes")
     damping = parameter(5e-5, "1", "damping ratios", shape="modes")

@@ -100,15 +100,13 @@ def gravity(s: Any, time: Any) -> Any:
 
 
 def drive_torque(s: Any, spin: Any, along: Any) -> Any:
-    """Return the torques (4,) on the rims: those given, and those of a drive that is asked for traction.
+    """Return the torques (4,) on the rims: those given, and of a drive that is asked for the rest of the traction.
 
     The drive gives R times the demand, at most what static friction would hold, and less where that turns the rim
     faster or slower than rolling: half of it at a slip of ``v_drive``.
     """
-    if s.drive == "load":
-        return s.torque
     limit = s.mu_s * s.pressing
-    asked = ca.fmax(-limit, ca.fmin(limit, s.traction_demand))
+    asked = ca.fmax(-limit, ca.fmin(limit, (1 - s.laid_on) * s.traction_demand))
     slip = s.R * spin - along
     away = ca.fmax(0, slip * ca.sign(asked)) / s.v_drive
     return s.torque + s.R * asked / (1 + away**2)
@@ -124,13 +122,12 @@ class Load:
 
 
 def load(s: Any, q: Any, r: Any, R: Any) -> Load:
-    """Return the external forces on the hubs and, with ``drive`` "load", the traction laid on where the wheels press.
+    """Return the external forces on the hubs, and the share of the traction that is laid on where wheels press.
 
-    That acts along the ground in the point where a round wheel would touch, c_k - R n_k, as in the reduced model.
+    That acts along the ground in the point where a round wheel would touch, c_k - R n_k, as in the reduced model: the
+    unlimited traction of an analysis, which no rubber would pass on.
     """
-    if s.drive == "motor":
-        return Load(s.hub_force.T, ca.MX.zeros(3), ca.MX.zeros(4))
-    asked = ca.if_else(s.pressing > 0, s.traction_demand, ca.MX.zeros(4))
+    asked = (s.pressing > 0) * s.laid_on * s.traction_demand
     size = packed(s, ("L_f", "L_r", "half_track", "h"))
     along, normal = headings()(q, r, size, s.R, path_rows(s))
     laid = along * ca.repmat(asked.T, 3, 1)

@@ -30,6 +30,7 @@ from .ring_wheel import ring
 STIFFNESSES = ("k_radial", "k_tangential", "EA", "EI", "k_contact", "k_bristle")
 DAMPINGS = ("c_radial", "c_tangential")
 _ITERATIONS = 60
+_UNLIMITED = 1e6  # friction coefficient that stands for none
 _SPREAD = 0.04  # m, about the length of ring that carries a load: where the search for a depth begins
 _RESIDUAL = 1e-9  # of the load
 
@@ -61,11 +62,11 @@ def _problem(nodes: int, points: int) -> ca.Function:
     stored: Any = ring(nodes, points).energies(
         x, still, ca.MX.zeros(2, points), ca.MX.zeros(COLUMNS, points), frame, material, contact
     )
-    energy = stored[0] + stored[1]
-    second, first = ca.hessian(energy, at)
-    return ca.Function(
-        "press", [at, height, angle, material, contact], [energy, first, second, -ca.gradient(energy, height)]
-    )
+    given = [at, height, angle, material, contact]
+    flat: Any = [ca.SX.sym(symbol.name(), symbol.shape) for symbol in given]
+    energy: Any = ca.Function("stored", given, [stored[0] + stored[1]]).expand()(*flat)  # in scalars: faster to derive
+    second, first = ca.hessian(energy, flat[0])
+    return ca.Function("press", flat, [energy, first, second, -ca.gradient(energy, flat[1])])
 
 
 def press(values: Mapping[str, Any], nodes: int, points: int, depth: float, angle: float = 0.0) -> Press:
@@ -175,11 +176,11 @@ def resting(values: Mapping[str, Any], nodes: int, points: int, load: float, gue
 def pressed(rover: Any) -> dict[str, np.ndarray]:
     """Return ``k_w`` (N/m), ``c_w`` (N.s/m) and ``mu`` of each wheel of a `FullOrderRover`, as a press test finds them.
 
-    They are those under a quarter of its weight; ``mu`` is infinite where traction is laid on without friction.
+    They are those under a quarter of its weight; ``mu`` limits nothing where traction is laid on.
     """
     values, size = rover.values, (rover.nodes, rover.points)
     load = rover.m * rover.g / 4
     depth = depth_under(values, *size, load)
-    mu = rover.mu_s if rover.drive == "motor" else np.inf
+    mu = rover.mu_s if rover.laid_on < 1 else _UNLIMITED
     found = {"k_w": load / depth, "c_w": damping(values, *size, depth), "mu": mu}
     return {name: np.full(4, value) for name, value in found.items()}

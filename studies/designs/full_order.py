@@ -80,7 +80,7 @@ def _friction(words: dict[str, Any]) -> dict[str, Any]:
         return {}
     mu = _number(words, "mu")
     if mu > UNLIMITED:
-        return {"drive": "load"}
+        return {"laid_on": 1.0}
     return {"mu_s": mu, "mu_d": min(mu, float(FullOrderRover.mu_d.start))}
 
 
