@@ -172,14 +172,17 @@ class FullOrderRover(FullOrderPorts):
 
 
 def _stable(s: Any) -> Any:
-    """Return the longest stable micro step (s): a share of 2 / w, w bounded by a node's row sums."""
+    """Return the longest stable micro step (s): half of that of the fastest oscillator, bounded by a node's row sums.
+
+    A damper acts on the velocity before the kick: the step h of w^2 and g = c / m is stable while w^2 h^2 + 2 g h < 4.
+    """
     of = share(packed(s, MATERIAL), s.nodes)
-    held = (
-        ca.fmax(of.k[0], of.k[1]) + of.length * ca.fmax(s.k_contact, s.k_bristle) * 1.5
-    )  # 1.5: weights of either sign
-    node = ca.sqrt((held + 4 * of.stretch + 16 * of.bend / of.length**2) / of.mass)
-    rim = ca.sqrt(s.nodes * of.k[1] * s.R**2 / s.J_w)
-    return _SAFETY * 2 / ca.fmax(ca.fmax(node, rim), 2 * np.pi * ca.mmax(s.frequency))
+    at_ground = of.length * ca.fmax(s.k_contact, s.k_bristle) * 1.5  # 1.5: weights of either sign
+    stiffness = ca.fmax(of.k[0], of.k[1]) + at_ground + 4 * of.stretch + 16 * of.bend / of.length**2
+    arm = s.nodes * s.R**2 / s.J_w
+    squares = ca.vertcat(stiffness / of.mass, of.k[1] * arm, (2 * np.pi * ca.mmax(s.frequency)) ** 2)
+    rates = ca.vertcat(ca.fmax(of.c[0], of.c[1]) / of.mass, of.c[1] * arm, 0)
+    return _SAFETY * ca.mmin((ca.sqrt(rates**2 + 4 * squares) - rates) / squares)
 
 
 def stable_step(rover: FullOrderRover) -> float:

@@ -7,7 +7,7 @@ Beside the component's own parameters the slot may say, in the words of those sl
     c_w = 0.0               its damping when pressed slowly, in N.s/m: the dampers likewise
     mu = 0.8                static friction; dynamic friction is at most as much.  Without limit (above 10): traction is
                             not passed by the rings, which no rubber would stand, but laid on at the ground
-    chassis = {modes = 25}  modes of the chassis, as for ChassisModal; without it one that no wheel moves
+    chassis = {modes = 25}  modes of the chassis, as for ChassisModal; false, or without it: a rigid one
 """
 
 from __future__ import annotations
@@ -85,9 +85,10 @@ def _friction(words: dict[str, Any]) -> dict[str, Any]:
 
 
 def _modes(words: dict[str, Any]) -> dict[str, Any]:
-    if "chassis" not in words:
+    asked = words.get("chassis", False)
+    if asked is False:
         return {}
-    if not isinstance(words["chassis"], dict):
-        raise ScenarioError(f"chassis must be a table of the parameters of ChassisModal, not {words['chassis']!r}")
-    part = chassis(**words["chassis"])
+    if not isinstance(asked, dict):
+        raise ScenarioError(f"chassis must be a table of the parameters of ChassisModal, or false, not {asked!r}")
+    part = chassis(**asked)
     return {"modes": part.structure["modes"], **{n: part.values[n] for n in ("frequency", "damping", "wheel_shape")}}
