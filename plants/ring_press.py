@@ -97,6 +97,13 @@ def press(values: Mapping[str, Any], nodes: int, points: int, depth: float, angl
     return Press(depth, load.item(), plane, pressed * 2 * R * np.sin(np.pi / nodes) * nodes / points)
 
 
+def stored(values: Mapping[str, Any], nodes: int, points: int, wheel: Press, angle: float = 0.0) -> float:
+    """Return the energy (J) of the ring and the contact of a pressed wheel."""
+    material, contact = (np.array([float(values[n]) for n in names]) for names in (MATERIAL, CONTACT))
+    height = float(values["R"]) - wheel.depth
+    return float(_problem(nodes, points)(wheel.nodes.ravel(), height, angle, material, contact)[0])
+
+
 def _round(nodes: int, R: float, angle: float) -> np.ndarray:
     """Return the places (2 nodes,) of a round ring that has turned by *angle*."""
     cosine, sine = around(nodes)
