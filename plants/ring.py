@@ -102,8 +102,7 @@ def around(nodes: int) -> np.ndarray:
 def shifted(rows: Any, by: int) -> Any:
     """Return the columns of the nodes *by* further round the ring, at the place of each node."""
     n = rows.shape[1]
-    by %= n
-    return ca.horzcat(rows[:, by:], rows[:, :by]) if by else rows
+    return rows[:, [(i + by) % n for i in range(n)]]
 
 
 def crossed(a: Any, b: Any) -> Any:

@@ -60,10 +60,10 @@ def ring(nodes: int, points: int) -> Ring:
 def _four(columns: Any) -> Any:
     """Return for each node the columns of the nodes -1, 0, 1 and 2 from it, side by side."""
     n = columns.shape[1]
-    return ca.reshape(ca.vertcat(*(shifted(columns, by) for by in (-1, 0, 1, 2))), 3, 4 * n)
+    return columns[:, [(i + by) % n for i in range(n) for by in (-1, 0, 1, 2)]]
 
 
 def _gathered(columns: Any, nodes: int) -> Any:
     """Return the sums (3, nodes) of what the stretches do to the nodes -1, 0, 1 and 2 from their own."""
-    rows = ca.reshape(columns, 12, nodes)
-    return shifted(rows[:3, :], 1) + rows[3:6, :] + shifted(rows[6:9, :], -1) + shifted(rows[9:, :], -2)
+    by = [columns[:, [4 * ((i - at) % nodes) + j for i in range(nodes)]] for j, at in enumerate((-1, 0, 1, 2))]
+    return by[0] + by[1] + by[2] + by[3]
