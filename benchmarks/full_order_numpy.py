@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from plants.full_order import FullOrderRover
-from plants.full_order_step import NAMES
+from plants.full_order_ports import NAMES
 
 Values = dict[str, Any]
 UP, AXLE = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
@@ -49,6 +49,7 @@ class NumpyRover:
         s = self.state
         s |= {n: np.zeros_like(s[n]) for n in ("normal_sum", "traction_sum", "lateral_sum", "axle_sum", "elapsed")}
         s |= {"q": s["q"] / np.linalg.norm(s["q"]), "v_begun": s["v"]}
+        s["rate_begun"] = self.attitude(s["q"], s["H"], s["spin"])[1]
 
     def step(self, t: float, dt: float, torque: np.ndarray) -> None:
         """Take one micro step of *dt* from *t* (s) with *torque* (4,) on the rims."""
