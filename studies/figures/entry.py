@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -25,3 +26,15 @@ class Entry:
     make: Callable[[], Sheet]
     claims: Callable[[], list[Claim]] = _nothing
     run: tuple[str, str] | None = None
+
+    @property
+    def part(self) -> str:
+        """The chapter or the paper it is of, as "chapter 6" or "shock paper"."""
+        if chapter := re.match(r"thesis (?:table )?(\d+)", self.key):
+            return f"chapter {chapter[1]}"
+        return re.sub(r"( paper)? [^ ]+$| table.*$", r"\1", self.key)
+
+    @property
+    def stem(self) -> str:
+        """The name of its files, without the ending."""
+        return re.sub(r"[^a-z0-9]+", "_", self.key.lower())
