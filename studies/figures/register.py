@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cosim.errors import ScenarioError, nearest
 
-from . import shock
+from . import dimensions, manoeuvre, rigid, shock, traction
 from .entry import Entry
 
 # what each part is about; their order is that of the report
@@ -26,7 +26,13 @@ PARTS = {
     "shock paper": "three shapes of a pulse on the chassis",
     "co-simulation": "what the thesis could not do",
 }
-ENTRIES: tuple[Entry, ...] = (*shock.ENTRIES,)
+ENTRIES: tuple[Entry, ...] = (
+    *rigid.ENTRIES,
+    *traction.ENTRIES,
+    *dimensions.ENTRIES,
+    *manoeuvre.ENTRIES,
+    *shock.ENTRIES,
+)
 
 
 def _place(entry: Entry) -> tuple[int, bool, list[int]]:
