@@ -82,8 +82,8 @@ def dimensions_claims() -> list[Claim]:
         ),
         Claim(
             "4.6", "over the speed it falls slightly to a minimum, then grows (f)",
-            f"{climb[0]:.0f} to {climb[-1]:.0f} N from {low:g} to {high:g} m/s, growing all the way; without a pitch rate "
-            "the same at every speed", graded(sagging), {"0.25": float(climb[0]), "3": float(climb[-1])},
+            f"{climb[0]:.0f} to {climb[-1]:.0f} N from {low:g} to {high:g} m/s, growing all the way; without pitch rate"
+            " the same at every speed", graded(sagging), {"0.25": float(climb[0]), "3": float(climb[-1])},
             assumption=assumed.replace("no pitch rate", "climbing"),
         ),
     ]  # fmt: skip

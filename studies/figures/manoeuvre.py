@@ -181,8 +181,8 @@ def fast_claims() -> list[Claim]:
             f"is left out beta = {with_curve:.4f} rad",
             UNKNOWN,
             {"beta": end, "with curvature": with_curve, "body angle": body, **{f"{b:g}": T for b, T in longer.items()}},
-            f"{printed:.2f} s for the same beta by Appendix B; by (5.1)-(5.9), with gamma seen from the body as they need "
-            f"it, beta = {body:.3f} rad",
+            f"{printed:.2f} s for the same beta by Appendix B; by (5.1)-(5.9), with gamma as seen from the body, "
+            f"beta = {body:.3f} rad",
             "beta is not given; mass, moment of inertia and wheel radius do not matter",
         ),
         Claim(
@@ -221,8 +221,8 @@ def paper_fast_claims() -> list[Claim]:
         Claim(
             "section 3",
             "1.38 s is the shortest manoeuvre without a change of sign, over -0.2 sin(pi t_n)",
-            f"for beta = {end:.4f} rad; with the {beta(THESIS_XI):.4f} rad of the thesis it would be {same:.2f} s: T goes "
-            "as the root of beta over |xi|, so the same time for both obstacles needs two pitches",
+            f"for beta = {end:.4f} rad; with the {beta(THESIS_XI):.4f} rad of the thesis it would be {same:.2f} s: T "
+            "goes as the root of beta over |xi|, so the same time for both obstacles needs two pitches",
             UNKNOWN,
             {"beta": end, "same beta": same},
             f"{printed:.2f} s for the same beta by its Appendix A",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cosim.errors import ScenarioError, nearest
 
-from . import dimensions, manoeuvre, rigid, shock, traction
+from . import dimensions, manoeuvre, parameters, rigid, shock, traction, wheels
 from .entry import Entry
 
 # what each part is about; their order is that of the report
@@ -27,6 +27,8 @@ PARTS = {
     "co-simulation": "what the thesis could not do",
 }
 ENTRIES: tuple[Entry, ...] = (
+    *parameters.ENTRIES,
+    *wheels.ENTRIES,
     *rigid.ENTRIES,
     *traction.ENTRIES,
     *dimensions.ENTRIES,

@@ -168,7 +168,7 @@ def contour_claims() -> list[Claim]:
              "pole": climb.bend(np.inf), "pole without": terms(SLOPE, SPEED, "no pitch rate").bend(np.inf), **needed},
             f"{printed:.0f} N with P of (4.44), gamma' without end; {', '.join(f'{f:.0f}' for f in appendix)} N by "
             "Appendix A without pitch rate, gamma' = 1, 2, 5 1/m",
-            "d gamma/dx, the pitch rate and v_z are not given, and the zero of (4.54) depends on all three; its pole is at "
+            "d gamma/dx, the pitch rate and v_z are not given, and the zero of (4.54) depends on all; its pole is at "
             f"gamma' = {climb.bend(np.inf):.3f} 1/m",
         ),
         Claim(
@@ -178,8 +178,8 @@ def contour_claims() -> list[Claim]:
             f"{_listed(left, 2)} m/s3: (4.54) leaves out that the body turns while it climbs",
             CONTRADICTED if min(abs(f - FORCE) for f in ideal.values()) > 50 else graded(True),
             {**{f"{k} ideal": v for k, v in ideal.items()}, **left},
-            assumption="straight ramp, both axles rolling; jerk felt on board (body), of the centre of mass (inertial) and "
-            "as (4.54) defines it (thesis), each with everything that changes",
+            assumption="straight ramp, both axles rolling; jerk felt on board (body), of the centre of mass (inertial) "
+            "and as (4.54) defines it (thesis), each with everything that changes",
         ),
     ]  # fmt: skip
 
