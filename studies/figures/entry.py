@@ -32,7 +32,7 @@ class Entry:
         """The chapter or the paper it is of, as "chapter 6" or "shock paper"."""
         if chapter := re.match(r"thesis (?:table )?(\d+)", self.key):
             return f"chapter {chapter[1]}"
-        return re.sub(r"( paper)? [^ ]+$| table.*$", r"\1", self.key)
+        return re.sub(r"(.+ paper|[^ ]+).*", r"\1", self.key)
 
     @property
     def stem(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from plants.chassis_modes import ModalData
-from studies.shock import FIGURES, claims_collision, claims_method, claims_modes, claims_peaks
+from studies.shock import FIGURES, claims_collision, claims_figures, claims_method, claims_modes, claims_peaks
 from studies.shock.cases import platform
 from studies.shock.collision import collision_figure, sensitivity_figure
 
@@ -24,21 +24,34 @@ def _entry(key: str, name: str, title: str, *judges: _Judge) -> Entry:
 
 
 ENTRIES = (
-    _entry("thesis 7.3", "7.3", "series and integral of a rectangular pulse", claims_method.transient_dies_out),
+    _entry(
+        "thesis 7.3", "7.3", "series and integral of a rectangular pulse",
+        claims_figures.series_samples_the_integral, claims_method.transient_dies_out,
+    ),
     _entry("thesis 7.4 cut-off", "cut-off", "peaks over the number of modes", claims_method.few_modes_suffice),
-    _entry("thesis 7.5 methods", "methods", "the series of the thesis against the exact response"),
-    _entry("thesis 8.2", "8.2", "natural frequencies"),
-    _entry("thesis 8.3-8.5", "8.3-8.5", "shapes of the modes"),
+    _entry(
+        "thesis 7.5 methods", "methods", "the series of the thesis against the exact response",
+        claims_figures.series_to_200_hz,
+    ),
+    _entry("thesis 8.2", "8.2", "natural frequencies", claims_figures.frequencies),
+    _entry(
+        "thesis 8.3-8.5", "8.3-8.5", "shapes of the modes",
+        claims_figures.shapes_in_order, claims_figures.signs_at_the_corners,
+    ),
     _entry("thesis 8.6", "8.6", "two rectangular pulses"),
-    _entry("thesis 8.7-8.8", "8.7-8.8", "Fourier coefficients of both pulses"),
+    _entry(
+        "thesis 8.7-8.8", "8.7-8.8", "Fourier coefficients of both pulses", claims_figures.amplitudes_diminish
+    ),
     _entry(
         "thesis 8.9", "8.9", "accelerations, one wheel, 0.05 s",
         claims_peaks.station_1_is_worst, claims_peaks.other_corners_5_g, claims_peaks.corners_edges_interior,
         claims_peaks.station_10,
     ),
-    _entry("thesis 8.10", "8.10", "accelerations, one wheel, 0.08 s"),
+    _entry(
+        "thesis 8.10", "8.10", "accelerations, one wheel, 0.08 s", claims_figures.same_trend_for_the_longer_pulse
+    ),
     _entry("thesis 8.11", "8.11", "station 1 under both pulses", claims_peaks.shorter_is_harsher),
-    _entry("thesis 8.12", "8.12", "accelerations, diagonal wheels"),
+    _entry("thesis 8.12", "8.12", "accelerations, diagonal wheels", claims_figures.diagonal_is_like_single),
     _entry(
         "thesis 8.13", "8.13", "participation, one wheel and diagonal ones",
         claims_modes.similar_modes, claims_modes.single_excites_all,
@@ -48,9 +61,10 @@ ENTRIES = (
         claims_peaks.diagonal_is_worse_than_four, claims_modes.middle_row_alike,
     ),
     _entry("thesis 8.15", "8.15", "participation, all wheels and diagonal ones", claims_modes.four_wheels_spare_mode_2),
-    _entry("shock paper table 1", "paper table 1", "ten frequencies"),
-    _entry("shock paper 3", "paper 3", "harmonics of three pulses"),
+    _entry("shock paper table 1", "paper table 1", "ten frequencies", claims_figures.paper_frequencies),
+    _entry("shock paper 3", "paper 3", "harmonics of three pulses", claims_figures.amplitudes_by_shape),
     _entry("shock paper 4", "paper 4", "dynamic loads of the first harmonics", claims_method.load_factors),
+    _entry("shock paper 5", "paper 5", "station 1 under three pulses", claims_method.rectangular_is_worst),
     _entry("co-simulation spectra", "spectra", "what equipment on the chassis feels"),
     Entry(
         "co-simulation collision", "where not to mount a sensor", collision_figure,

@@ -13,7 +13,7 @@ from studies.figures.sheet import Sheet
 
 from .loads import coefficients_figure, integral_figure, pulses_figure
 from .modes import frequencies_figure, shapes_figure
-from .paper import amplitudes_figure, factors_figure, table_1
+from .paper import amplitudes_figure, factors_figure, station_figure, table_1
 from .participation import participation_figure
 from .responses import cutoff_figure, durations_figure, map_figure, methods_figure, spectra_figure
 
@@ -36,6 +36,7 @@ FIGURES: dict[str, Callable[[ModalData], Sheet]] = {
     "paper table 1": table_1,
     "paper 3": lambda data: amplitudes_figure(),
     "paper 4": lambda data: factors_figure(),
+    "paper 5": station_figure,
 }
 
 __all__ = ["FIGURES", "Sheet"]

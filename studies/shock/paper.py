@@ -1,19 +1,23 @@
-"""The shock paper: its frequencies (Table 1), the harmonics of three pulses (Fig 3), its load factors (Fig 4)."""
+"""The shock paper: frequencies (Table 1), harmonics of three pulses (Fig 3), load factors (4), responses (5)."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from plants.chassis_modes import ModalData
 from plants.pulses import Pulse
-from plants.shock import poles, pulse_response
+from plants.shock import GRAVITY, poles, pulse_response
 from plants.shock_loads import load_factor
 from studies.figures.sheet import LINES, Sheet, panels
 
+from .cases import acceleration, times
 from .modes import THESIS
 
 PRINTED = np.array([3.82, 4.20, 8.67, 10.59, 10.94, 12.78, 15.13, 17.86, 22.31, 24.30])  # Hz, Table 1
 DURATION, REPEATED, FIRST = 0.15, 1 / 3.98, 3.82  # s, s, Hz
+PEAK, SHOWN = 1500.0, 0.6  # N; s of the responses
 FACTORS = {"rectangular": 7.1, "half-sine": 6.3, "triangular": 5.2}  # printed, of the peak of the pulse
 
 
@@ -69,3 +73,28 @@ def factors_figure() -> Sheet:
     ]
     resonance = "a resonance of mode 1 with the rate of repetition that was chosen, 3.98 beside 3.82 Hz"
     return Sheet("Load factors", columns, figure, (*notes, resonance))
+
+
+def station_figure(data: ModalData) -> Sheet:
+    """Return Fig 5: station 1 under the three pulses, with the modes as they are and 2 pi times as slow."""
+    t = times()
+    columns = {"time [s]": t}
+    figure, axes = panels("Station 1 under pulses of 1500 N and 0.15 s (paper, Fig 5)", 2, 2, sharex=True, sharey="row")
+    notes = []
+    slow = replace(data, frequency=data.frequency / (2 * np.pi))
+    for row, (name, modes) in zip(axes, {"thesis": data, "paper": slow}.items(), strict=True):
+        found = {s: acceleration(modes, "single", DURATION, total=PEAK, shape=s, t=t)[:, 0] / GRAVITY for s in FACTORS}
+        top = ", ".join(f"{s} {np.max(np.abs(a)):.2f}" for s, a in found.items())
+        notes.append(f"peaks with the frequencies of the {name}, g: {top}")
+        columns |= {f"{s}, frequencies of the {name} [g]": a for s, a in found.items()}
+        for axis, pair in zip(row, (("rectangular", "triangular"), ("half-sine", "triangular")), strict=True):
+            for shape, colour in zip(pair, LINES, strict=False):
+                axis.plot(t[t <= SHOWN], found[shape][t <= SHOWN], color=colour, linewidth=0.7, label=shape)
+            axis.legend(frameon=False, fontsize=8, title=f"{modes.frequency[0]:.3g} Hz and up", title_fontsize=8)
+        row[0].set_ylabel("acceleration / g")
+    for axis in axes[1]:
+        axis.set_xlabel("time / s")
+    alone = (
+        "by modes of the platform alone, since the paper leaves wheels and links out; its finite elements are not given"
+    )
+    return Sheet("Three pulses", columns, figure, (*notes, alone))
