@@ -31,8 +31,8 @@ def write_page(outcomes: Sequence[Outcome], folder: Path, errata: Sequence[Seque
         verdicts=summary.VERDICTS,
         rows=summary.by_part(outcomes),
         listed=[(v, summary.with_verdict(outcomes, v)) for v in summary.VERDICTS],
-        parts=[(part, list(found)) for part, found in groupby(outcomes, key=lambda o: o.part)],
-        about=PARTS,
+        grouped=[(part, list(found)) for part, found in groupby(outcomes, key=lambda o: o.part)],
+        parts=PARTS,
         errata=errata,
     )
     path = folder / PAGE

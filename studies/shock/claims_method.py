@@ -12,7 +12,7 @@ from plants.shock_loads import load_factor
 from studies.figures.claim import Claim, graded
 
 from .cases import acceleration, platform
-from .paper import DURATION, FACTORS, FIRST, REPEATED, single_pulse_factor
+from .paper import DURATION, FACTORS, FIRST, PEAK, REPEATED, single_pulse_factor
 from .responses import CUT_OFFS, cutoff_peaks
 
 
@@ -61,7 +61,7 @@ def load_factors(data: ModalData) -> Claim:
 
 def rectangular_is_worst(data: ModalData) -> Claim:
     """Shock paper, Fig 5: accelerations at station 1."""
-    found = {s: float(peaks(acceleration(data, "single", DURATION, shape=s))[0]) for s in FACTORS}
+    found = {s: float(peaks(acceleration(data, "single", DURATION, total=PEAK, shape=s))[0]) for s in FACTORS}
     rectangular, sine, triangle = found.values()
     return Claim(
         "shock paper",

@@ -23,6 +23,7 @@ def pulses_figure() -> Sheet:
             columns[f"{shape} {duration:g} s"] = Pulse(shape, duration).force(t)
             axis.plot(t, columns[f"{shape} {duration:g} s"], color=colour, label=shape)
         axis.set(title=f"{duration:g} s", xlabel="time / s")
+    axes[0, 0].set_ylabel("force / peak")
     axes[0, 0].legend(frameon=False, fontsize=8)
     return Sheet("Shock pulses", columns, figure)
 
@@ -36,7 +37,7 @@ def integral_figure() -> Sheet:
     figure, axes = panels("Series of period 3 s (bars) and Fourier integral (curve) of a 0.05 s pulse (Fig 7.3)")
     axes[0, 0].bar(frequency, bars, width=0.25, color=LINES[0])
     axes[0, 0].plot(frequency, curve, color=LINES[1], linewidth=1)
-    axes[0, 0].set(xlabel="frequency / Hz", ylabel="amplitude")
+    axes[0, 0].set(xlabel="frequency / Hz", ylabel="amplitude / peak of the pulse")
     columns = {"frequency [Hz]": frequency, "series": bars, "2/period |F|": curve}
     note = "a series samples the integral exactly, whatever the period: what it loses lies above its last harmonic"
     return Sheet("Series and integral", columns, figure, (note,))
@@ -52,7 +53,7 @@ def coefficients_figure() -> Sheet:
         for axis, name, values in zip(axes.flat, ("sine", "cosine"), (series.b, series.a), strict=True):
             columns[f"{name} {duration:g} s"] = values
             axis.plot(series.p, values, color=colour, linewidth=0.8, label=f"{duration:g} s")
-            axis.set_ylabel(name)
+            axis.set_ylabel(f"{name} / peak of the pulse")
     axes[0, 0].legend(frameon=False)
     axes[1, 0].set_xlabel("frequency / (rad/s)")
     means = " and ".join(f"{Pulse('rectangular', d).series(PERIOD, TOP).mean:.4f}" for d in (SHORT, LONG))

@@ -79,7 +79,7 @@ def station_figure(data: ModalData) -> Sheet:
     """Return Fig 5: station 1 under the three pulses, with the modes as they are and 2 pi times as slow."""
     t = times()
     columns = {"time [s]": t}
-    figure, axes = panels("Station 1 under pulses of 1500 N and 0.15 s (paper, Fig 5)", 2, 2, sharex=True, sharey="row")
+    figure, axes = panels("Station 1 under pulses of 1500 N and 0.15 s (paper, Fig 5)", 2, 2, sharex=True)
     notes = []
     slow = replace(data, frequency=data.frequency / (2 * np.pi))
     for row, (name, modes) in zip(axes, {"thesis": data, "paper": slow}.items(), strict=True):

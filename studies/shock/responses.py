@@ -38,6 +38,8 @@ def map_figure(data: ModalData, cases: Sequence[str], duration: float) -> Sheet:
             shown = t <= SHOWN
             axis.plot(t[shown], a[shown, station - 1], color=LINES[k], linewidth=0.5)
             axis.set_title(f"{station}: {np.max(np.abs(a[:, station - 1])):.1f} g", fontsize=8, loc="left")
+    figure.supxlabel("time / s", fontsize=9)
+    figure.supylabel("acceleration / g", fontsize=9)
     return Sheet("Map of accelerations", columns, figure, DIVERGING)
 
 
