@@ -13,7 +13,7 @@ from cosim.errors import ScenarioError
 
 from . import summary
 from .build import Outcome
-from .register import PARTS
+from .parts import PARTS
 
 PAGE = "index.html"
 

@@ -159,7 +159,8 @@ def collision_figure(variants: tuple[str, ...] = (ONE, TWO)) -> Sheet:
     for axis, found in zip(axes.flat, rows, strict=True):
         axis.imshow(found.peak.reshape(5, 4), cmap="YlOrRd", vmin=0, vmax=limit, aspect=1.1)
         for k, value in enumerate(found.peak):
-            axis.text(k % 4, k // 4, f"{k + 1}: {value:.1f}", ha="center", va="center", fontsize=8)
+            ink = "white" if value > 0.7 * limit else "black"
+            axis.text(k % 4, k // 4, f"{k + 1}: {value:.1f}", ha="center", va="center", fontsize=8, color=ink)
         axis.set(title=found.variant, xticks=[], yticks=[])
         axis.grid(False)
         impact = collide(found.variant)
