@@ -161,7 +161,11 @@ def force_figure(xi: float, times: Sequence[float], source: str) -> Sheet:
     axes[0, 0].set_ylabel("traction of the rear wheels / N")
     axes[0, 0].legend(frameon=False, fontsize=8)
     grip = ", ".join(f"{plan(xi).friction_needed(T):.2f} at {T:g} s" for T in times)
-    notes = (f"beta = {beta(xi):.4f} rad", f"friction it needs at the rear axle: {grip}")
+    least = ", ".join(f"{plan(xi).force(T_N, T).min():.1f} N at {T:g} s" for T in times)
+    notes = (
+        f"beta = {beta(xi):.4f} rad; least traction: {least}; friction it needs at the rear axle: {grip}",
+        "the corrected coefficients are those of the planar model of two axles to rounding, with traction at the ground",
+    )
     return Sheet("Traction of a planned pitch", columns, figure, notes)
 
 

@@ -27,13 +27,13 @@ def _place(entry: Entry) -> tuple[int, bool, list[int]]:
     return list(PARTS).index(entry.part), "table" not in entry.key, numbers
 
 
-def chosen(keys: Sequence[str] = (), among: tuple[Entry, ...] = ENTRIES) -> list[Entry]:
+def chosen(keys: Sequence[str] = ()) -> list[Entry]:
     """Return the entries of *keys* in the order of the report, all if none are given.
 
     A key is that of a figure, its beginning ("thesis 8") or a part ("chapter 8").  Raises ScenarioError for one that
     names nothing.
     """
-    ordered = sorted(among, key=_place)
+    ordered = sorted(ENTRIES, key=_place)
     found: set[str] = set()
     for key in keys:
         named = [e.key for e in ordered if _names(key.strip().lower(), e)]

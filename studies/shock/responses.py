@@ -56,7 +56,7 @@ def durations_figure(data: ModalData) -> Sheet:
         notes.append(f"{duration:g} s: peak {np.max(np.abs(a)):.1f} g, rms after the pulse {after:.2f} g")
     axes[0, 0].set(xlabel="time / s", ylabel="acceleration / g")
     axes[0, 0].legend(frameon=False)
-    return Sheet("Two durations", columns, figure, tuple(notes))
+    return Sheet("Two durations", columns, figure, (*notes, *DIVERGING))
 
 
 def methods_figure(data: ModalData) -> Sheet:
