@@ -164,7 +164,7 @@ def force_figure(xi: float, times: Sequence[float], source: str) -> Sheet:
     least = ", ".join(f"{plan(xi).force(T_N, T).min():.1f} N at {T:g} s" for T in times)
     notes = (
         f"beta = {beta(xi):.4f} rad; least traction: {least}; friction it needs at the rear axle: {grip}",
-        "the corrected coefficients are those of the planar model of two axles to rounding, with traction at the ground",
+        "the corrected coefficients are those of the planar model with two axles to rounding; traction at the ground",
     )
     return Sheet("Traction of a planned pitch", columns, figure, notes)
 
