@@ -106,19 +106,27 @@ def error_dynamics(h0: float, h1: float) -> control.StateSpace:
                               inputs=["none"], outputs=["e"], name="error")  # fmt: skip
 
 
+def error_response(h0: float, h1: float, e0: float, v0: float, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return e (n,) in m and e' (n,) in m/s of e'' + h1 e' + h0 e = 0 at *t* (n,), s, from e0 (m) and v0 (m/s)."""
+    slow, fast = error_dynamics(h0, h1).poles()
+    if abs(slow - fast) < 1e-6 * abs(slow):  # the limit of the sums below for a double pole
+        grows = v0 - slow * e0
+        e, rate = (e0 + grows * t) * np.exp(slow * t), (v0 + slow * grows * t) * np.exp(slow * t)
+    else:
+        c = np.linalg.solve([[1, 1], [slow, fast]], np.array([e0, v0], complex))
+        parts = c[:, None] * np.exp(np.outer([slow, fast], t))
+        e, rate = parts[0] + parts[1], slow * parts[0] + fast * parts[1]
+    return e.real, rate.real
+
+
 def settling_time(h0: float, h1: float, e0: float, v0: float, band: float, horizon: float = 10.0) -> float:
     """Return when the error of e'' + h1 e' + h0 e = 0 stays within *band* (m) from e0 (m) and v0 (m/s), in s.
 
     To a 200000th of the *horizon* (s), which is returned for an error that has not settled by then.
     """
     t = np.linspace(0.0, horizon, 200_001)
-    slow, fast = error_dynamics(h0, h1).poles()
-    if abs(slow - fast) < 1e-6 * abs(slow):  # the limit of the sum below for a double pole
-        e = (e0 + (v0 - slow * e0) * t) * np.exp(slow * t)
-    else:
-        c = np.linalg.solve([[1, 1], [slow, fast]], np.array([e0, v0], complex))
-        e = c[0] * np.exp(slow * t) + c[1] * np.exp(fast * t)
-    outside = np.flatnonzero(np.abs(e.real) > band)
+    e, _ = error_response(h0, h1, e0, v0, t)
+    outside = np.flatnonzero(np.abs(e) > band)
     if not len(outside):
         return 0.0
     return float(t[outside[-1] + 1]) if outside[-1] + 1 < len(t) else horizon

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cosim.errors import ScenarioError, nearest
 
-from . import dimensions, manoeuvre, parameters, rigid, shock, traction, wheels
+from . import dimensions, impact, jerk, manoeuvre, parameters, rigid, shock, traction, wheels
 from .entry import Entry
 from .parts import PARTS
 
@@ -18,6 +18,8 @@ ENTRIES: tuple[Entry, ...] = (
     *traction.ENTRIES,
     *dimensions.ENTRIES,
     *manoeuvre.ENTRIES,
+    *impact.ENTRIES,
+    *jerk.ENTRIES,
     *shock.ENTRIES,
 )
 

@@ -7,10 +7,11 @@ import control
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 from scipy.optimize import lsq_linear
 
 from controllers.allocation import bounded_least_squares
-from controllers.pd_impact import error_dynamics, gains_by_stiffness, settling_time
+from controllers.pd_impact import error_dynamics, error_response, gains_by_stiffness, settling_time
 from controllers.reference import planned
 
 
@@ -35,6 +36,16 @@ def test_settling_time_against_an_integrated_error(h0: float, h1: float) -> None
     run = solve_ivp(lambda _, x: [x[1], -h0 * x[0] - h1 * x[1]], (0, 1), [e0, v0], t_eval=grid, rtol=1e-10, atol=1e-13)
     outside = grid[np.abs(run.y[0]) > band]
     assert outside[-1] == pytest.approx(t, abs=2 * grid[1])  # both to their grids
+
+
+@pytest.mark.parametrize(("h0", "h1"), [(1500.0, 70.0), (1225.0, 70.0), (1500.0, 90.0)])
+def test_error_response_against_the_matrix_exponential(h0: float, h1: float) -> None:
+    """Error and rate, also at a double pole, where rounding splits it: 1e-9 of 0.02 m and 0.6 m/s."""
+    t = np.array([0.0, 0.01, 0.05, 0.2])
+    found = np.array(error_response(h0, h1, 0.02, -0.6, t))
+    exact = np.column_stack([expm(np.array([[0, 1], [-h0, -h1]]) * s) @ [0.02, -0.6] for s in t])
+    np.testing.assert_allclose(found[0], exact[0], atol=2e-11)
+    np.testing.assert_allclose(found[1], exact[1], atol=6e-10)
 
 
 def test_critical_damping() -> None:
