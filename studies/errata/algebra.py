@@ -46,7 +46,7 @@ def against(derived: Callable[[], sp.Basic]) -> Callable[[Erratum], Gap]:
 def distance(form: sp.Basic, derived: sp.Basic) -> float:
     """Return the largest difference of two expressions relative to the second, at places drawn at random."""
     names = sorted({s.name for s in form.free_symbols | derived.free_symbols})
-    evaluate = sp.lambdify([sp.Symbol(n) for n in names], [sp.Matrix([form]), sp.Matrix([derived])], "mpmath")
+    evaluate = sp.lambdify([sp.Symbol(n) for n in names], [sp.Matrix([form]), sp.Matrix([derived])], "mpmath", cse=True)
     draw = random.Random(7)
     worst = 0.0
     with mpmath.workdps(DIGITS):
@@ -93,6 +93,18 @@ def with_values(given: Callable[[], tuple[dict[str, Any], Any]]) -> Callable[[Er
         return Gap(gap(entry.right), gap(entry.printed))
 
     return check
+
+
+def at(expressions: sp.Matrix, values: dict[sp.Symbol, Any]) -> list[sp.Float]:
+    """Return the values of expressions to `DIGITS` digits."""
+    with mpmath.workdps(DIGITS):
+        inputs = [mpmath.mpf(sp.N(v, DIGITS)) for v in values.values()]
+        return [sp.Float(v, DIGITS) for v in sp.lambdify(list(values), expressions, "mpmath", cse=True)(*inputs)]
+
+
+def summation(terms: list[dict[str, Any]]) -> Callable[[sp.Expr, sp.Symbol], sp.Expr]:
+    """Return what `total` of a formula adds up: its inside for the values of each term."""
+    return lambda inside, over: sum(inside.subs(term) for term in terms)
 
 
 def numbers(count: int, seed: int = 3) -> list[sp.Rational]:

@@ -8,11 +8,11 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from .algebra import DIGITS, against, distance, formula, numbers, symbols, with_values
+from .algebra import DIGITS, against, at, distance, formula, numbers, symbols, with_values
 from .erratum import INCOMPLETE, MISPRINT, WRONG, Erratum, Gap
 from .motion import now, polynomial, rotation, t
 from .rolling import rolling, s_d
-from .side_view import CENTRES, F_f, F_r, I_y, body_rates, gamma, h, kappa, level, omega, p, side_view, theta, turned
+from .side_view import CENTRES, I_y, body_rates, gamma, kappa, level, omega, p, side_view, theta, turned
 
 
 def touching_point() -> sp.Matrix:
@@ -71,26 +71,22 @@ def bend_of_profile() -> sp.Expr:
 def jerk() -> tuple[dict[str, Any], sp.Expr]:
     """Return d^2(v_z)/dt^2 of a level robot on a bent slope from one coordinate, and what 4.54 asks for."""
     motion, b = rolling(), sp.Symbol("b")
-    rates, along = body_rates(bend=b), motion.rate(motion.pitch)
-    _, _, alpha, a_x, a_z = rates
-    place = dict(zip(sorted(set(rates.free_symbols) - {b, omega, p, theta} | {F_r, F_f, kappa, s_d}, key=str),
-                     numbers(20), strict=False)) | {p: 0, theta: sp.Rational(3, 10)}  # fmt: skip
-    turn = -motion.now(along).subs(place)
-    v_x, v_z = motion.now(motion.along_body(motion.speed)).subs(place)
-    there = place | {omega: turn, b: place[kappa] * place[s_d] ** 2}
-    for name, speed in (("v_x", v_x), ("v_z", v_z)):
-        there[sp.Symbol(name)] = speed
-    number = lambda e: sp.N(e.subs(there, simultaneous=True), DIGITS)  # noqa: E731
-    slope = {f"d_a_cz_{name}": number(sp.diff(a_z, by)) for name, by in
-             (("gamma", theta), ("theta", theta), ("p", p), ("omega", omega), ("b", b))}  # fmt: skip
-    s_dd = motion.now(motion.s_dd).subs(place)
-    names = slope | {
-        "v_x": v_x, "v_z": v_z, "omega": turn, "alpha": number(alpha), "a_cx": number(a_x),
-        "gamma_x": place[kappa] / sp.cos(place[theta]), "kappa": place[kappa], "v_t": place[s_d],
-        "b_d": 2 * place[kappa] * place[s_d] * s_dd,
-    }  # fmt: skip
-    twice = motion.now(motion.rate(motion.rate(motion.along_body(motion.speed)[1])))
-    return names, sp.N(twice.subs(place), DIGITS)
+    given = symbols("m I_y L_f L_r h R g F_r F_f kappa s_d")
+    place = dict(zip(given, numbers(len(given)), strict=True)) | {p: sp.S.Zero, theta: sp.Rational(3, 10)}
+    velocity = motion.along_body(motion.speed)
+    twice = motion.rate(motion.rate(velocity[1]))
+    asked = sp.Matrix([motion.rate(motion.pitch), *velocity, motion.s_dd, twice])
+    p_d, v_x, v_z, s_dd, derived = at(motion.now(asked), place)
+    _, _, alpha, a_x, a_z = body_rates(bend=b)
+    by = {"gamma": theta, "theta": theta, "p": p, "omega": omega, "b": b}
+    slopes = [sp.diff(a_z, symbol) for symbol in by.values()]
+    there = place | {omega: -p_d, b: place[kappa] * place[s_d] ** 2}
+    found = at(sp.Matrix([alpha, a_x, *slopes]), there)
+    names = dict(zip(("alpha", "a_cx", *(f"d_a_cz_{name}" for name in by)), found, strict=True))
+    return names | {
+        "v_x": v_x, "v_z": v_z, "omega": -p_d, "gamma_x": place[kappa] / sp.cos(place[theta]), "kappa": place[kappa],
+        "v_t": place[s_d], "b_d": 2 * place[kappa] * place[s_d] * s_dd,
+    }, derived  # fmt: skip
 
 
 def magnitude() -> tuple[dict[str, Any], sp.Expr]:

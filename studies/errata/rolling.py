@@ -33,7 +33,7 @@ class Rolling:
 
     def along_body(self, vector: sp.Matrix) -> sp.Matrix:
         """Return a vector of the world in the axes of the body as it is at s."""
-        return in_body(vector).subs(p, self.pitch)
+        return in_body(vector, self.pitch)
 
     @staticmethod
     def now(of: sp.Matrix | sp.Expr) -> sp.Matrix | sp.Expr:

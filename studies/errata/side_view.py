@@ -48,10 +48,10 @@ def turned(x: sp.Expr, z: sp.Expr) -> sp.Matrix:
     return sp.Matrix([x * sp.cos(p) - z * sp.sin(p), x * sp.sin(p) + z * sp.cos(p)])
 
 
-def in_body(vector: sp.Matrix) -> sp.Matrix:
-    """Return a vector of the world in body axes."""
+def in_body(vector: sp.Matrix, pitch: sp.Expr = p) -> sp.Matrix:
+    """Return a vector of the world in the axes of a body with this pitch."""
     x, z = vector
-    return sp.Matrix([x * sp.cos(p) + z * sp.sin(p), -x * sp.sin(p) + z * sp.cos(p)])
+    return sp.Matrix([x * sp.cos(pitch) + z * sp.sin(pitch), -x * sp.sin(pitch) + z * sp.cos(pitch)])
 
 
 def normal_of(slope: sp.Expr) -> sp.Matrix:
