@@ -70,7 +70,7 @@ class _Partials(ast.NodeTransformer):
 def value(text: str, names: dict[str, Any]) -> sp.Matrix:
     """Compute a formula of numbers and matrices, flattened; raises ShapeError where its factors do not fit."""
     code = compile(_Partials().visit(ast.parse(text, mode="eval")), text, "eval")
-    known = {name: getattr(sp, name) for name in FUNCTIONS if hasattr(sp, name)}
+    known = {name: getattr(sp, name, None) for name in FUNCTIONS} | {"abs": sp.Abs, "max": sp.Max, "pi": sp.pi}
     found = eval(code, {"__builtins__": {}}, known | {"cross": lambda a, b: a.cross(b)} | names)
     return sp.Matrix(list(found) if isinstance(found, tuple | sp.MatrixBase) else [found])
 

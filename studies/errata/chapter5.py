@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from .algebra import against, at, numbers, symbols, with_values
+from .algebra import against, at, numbers, summation, symbols, with_values
 from .erratum import INCOMPLETE, MISPRINT, WRONG, Erratum, Gap
 from .rolling import rolling, s_d
 from .side_view import (
