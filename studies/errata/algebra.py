@@ -15,15 +15,14 @@ from .erratum import Erratum, Gap
 from .notation import FUNCTIONS
 
 DIGITS, PLACES = 30, 5
-_IMAGINARY = "j"
+_KNOWN = {"j": sp.I, "pi": sp.pi, "abs": sp.Abs, "max": sp.Max}
 
 
 @cache
 def formula(text: str) -> sp.Basic:
     """Return a formula of `notation` as a SymPy expression; a tuple as a column."""
     names = {node.id for node in ast.walk(ast.parse(text, mode="eval")) if isinstance(node, ast.Name)}
-    known = {name: sp.Symbol(name) for name in names - set(FUNCTIONS)} | {_IMAGINARY: sp.I, "pi": sp.pi}
-    known |= {"abs": sp.Abs, "max": sp.Max}
+    known = {name: sp.Symbol(name) for name in names - set(FUNCTIONS)} | _KNOWN
     found = sp.sympify(text, locals=known)
     return sp.Matrix(list(found)) if isinstance(found, tuple | sp.Tuple) else found
 
@@ -70,8 +69,8 @@ class _Partials(ast.NodeTransformer):
 def value(text: str, names: dict[str, Any]) -> sp.Matrix:
     """Compute a formula of numbers and matrices, flattened; raises ShapeError where its factors do not fit."""
     code = compile(_Partials().visit(ast.parse(text, mode="eval")), text, "eval")
-    known = {name: getattr(sp, name, None) for name in FUNCTIONS} | {"abs": sp.Abs, "max": sp.Max, "pi": sp.pi}
-    found = eval(code, {"__builtins__": {}}, known | {"cross": lambda a, b: a.cross(b)} | names)
+    known = {name: getattr(sp, name, None) for name in FUNCTIONS} | _KNOWN | {"cross": lambda a, b: a.cross(b)}
+    found = eval(code, {"__builtins__": {}}, known | names)
     return sp.Matrix(list(found) if isinstance(found, tuple | sp.MatrixBase) else [found])
 
 
@@ -105,6 +104,13 @@ def at(expressions: sp.Matrix, values: dict[sp.Symbol, Any]) -> list[sp.Float]:
 def summation(terms: list[dict[str, Any]]) -> Callable[[sp.Expr, sp.Symbol], sp.Expr]:
     """Return what `total` of a formula adds up: its inside for the values of each term."""
     return lambda inside, over: sum(inside.subs(term) for term in terms)
+
+
+def integral(inside: sp.Expr, over: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Float:
+    """Return what `integral` of a smooth formula is."""
+    with mpmath.workdps(DIGITS):
+        ends = [mpmath.mpf(sp.N(end, DIGITS)) for end in (low, high)]
+        return sp.Float(mpmath.quad(sp.lambdify(over, sp.N(inside, DIGITS), "mpmath"), ends), DIGITS)
 
 
 def numbers(count: int, seed: int = 3) -> list[sp.Rational]:

@@ -42,7 +42,7 @@ def sprung_body(rest: bool = False) -> tuple[dict[str, Any], sp.Matrix]:
 
     Lifted a little from its level position, or where its energy is least.
     """
-    X, Z, pitch = q = sp.symbols("X Z pitch")
+    Z, pitch = q = sp.symbols("Z pitch")
     m, I_y, k_w, g = numbers(4)
     dimensions = dict(zip(symbols("L_f L_r h"), numbers(3, 8), strict=True))
     gaps = sp.Matrix([Z + turned(*c)[1].subs(p, pitch) for c in CENTRES]).subs(dimensions)
@@ -50,10 +50,10 @@ def sprung_body(rest: bool = False) -> tuple[dict[str, Any], sp.Matrix]:
     slope = sp.Matrix([k_w * gaps.dot(gaps) / 2 + m * g * Z]).jacobian(q).T
     here = {Z: sp.Rational(1, 10), pitch: sp.S.Zero}
     if rest:
-        lowest = sp.nsolve(slope[1:], (Z, pitch), (0, 0), prec=DIGITS)
+        lowest = sp.nsolve(list(slope), q, (0, 0), prec=DIGITS)
         here = {Z: lowest[0], pitch: lowest[1]}
-    inverse, J = sp.diag(m, m, I_y).inv(), gaps.jacobian(q).subs(here)
-    weight = J * inverse * sp.Matrix([0, -m * g, 0])
+    inverse, J = sp.diag(m, I_y).inv(), gaps.jacobian(q).subs(here)
+    weight = J * inverse * sp.Matrix([-m * g, 0])
     names = {"P": J * inverse * J.T, "k_w": k_w, "z": gaps.subs(here), "b": weight}
     return names, -J * inverse * slope.subs(here)
 

@@ -16,9 +16,9 @@ from functools import cache
 
 GREEK = dict(
     alpha="α", beta="β", gamma="γ", delta="δ", zeta="ζ", eta="η", theta="θ", kappa="κ", mu="μ", nu="ν", xi="ξ", rho="ρ",
-    tau="τ", phi="φ", omega="ω", lam="λ", Phi="Φ", Psi="Ψ", Lam="Λ", Gamma="Γ", Delta="Δ", pi="π",
+    tau="τ", phi="φ", omega="ω", lam="λ", Phi="Φ", Psi="Ψ", Lam="Λ", Gamma="Γ", Delta="Δ", pi="π", inf="∞",
 )  # fmt: skip
-_LATEX_NAMES = {"lam": "lambda", "Lam": "Lambda", "atan": "arctan", "atan2": "operatorname{atan2}"}
+_LATEX_NAMES = {"lam": "lambda", "Lam": "Lambda", "atan": "arctan", "atan2": "operatorname{atan2}", "inf": "infty"}
 FUNCTIONS = ("sin", "cos", "tan", "atan", "atan2", "exp", "sqrt", "abs", "max")
 _DOTS = {"d": ("\u0307", "dot"), "dd": ("\u0308", "ddot"), "ddd": ("\u20db", "dddot")}
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
