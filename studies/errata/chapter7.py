@@ -84,7 +84,7 @@ def back_transform(entry: Erratum) -> Gap:
 
 
 def pulse_series(index: str) -> tuple[dict[str, Any], sp.Expr]:
-    """Return a cut-off series of a repeated pulse at a time without use of its coefficients, and these; a_j: cosines."""
+    """Return a cut-off series of a repeated pulse at a time, by its kernel, and its coefficients (a_j: cosines)."""
     width, period, at, count = 0.3, 1.0, 0.17, 6
     base = 2 * pi / period
     terms = [{f"a_{index}": 2 * np.sin(k * base * width) / (k * base * period),

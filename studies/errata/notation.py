@@ -94,6 +94,8 @@ class _Text:
         return f"({text})"
 
     def name(self, name: str) -> str:
+        if name.startswith("Delta_"):
+            return GREEK["Delta"] + self.name(name.removeprefix("Delta_"))
         head, _, tail = name.partition("_")
         parts = tail.split("_") if tail else []
         mark = _DOTS[parts.pop()][0] if parts and parts[-1] in _DOTS else ""
@@ -151,6 +153,8 @@ class _Latex(_Text):
         return rf"\left({text}\right)"
 
     def name(self, name: str) -> str:
+        if name.startswith("Delta_"):
+            return r"\Delta " + self.name(name.removeprefix("Delta_"))
         head, _, tail = name.partition("_")
         parts = tail.split("_") if tail else []
         dots = _DOTS[parts.pop()][1] if parts and parts[-1] in _DOTS else ""
