@@ -1,4 +1,4 @@
-"""The command line: ``wmr-cosim list | run | compare | explain | inspect | logs | figures | fmu``."""
+"""The command line: ``wmr-cosim list | run | compare | explain | inspect | logs | figures | errata | fmu``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import typer
 
 from cosim.errors import CosimError, ScenarioError
 
-from . import cli_explain, cli_figures, cli_fmu, cli_inspect, cli_logs, present
+from . import cli_errata, cli_explain, cli_figures, cli_fmu, cli_inspect, cli_logs, present
 from .terminal import complain, note
 
 if TYPE_CHECKING:
@@ -176,6 +176,7 @@ app.command("explain")(cli_explain.explain)
 app.command("inspect")(cli_inspect.inspect)
 app.command("logs")(cli_logs.logs)
 app.command("figures")(cli_figures.figures)
+app.command("errata")(cli_errata.errata)
 app.add_typer(cli_fmu.app, name="fmu")
 
 

@@ -64,8 +64,8 @@ def moment_arms(entry: Erratum) -> Gap:
 def turning_share(entry: Erratum) -> Gap:
     """Compare J with the J_k as rows and as columns with (alpha x r_k).n_k, computed wheel by wheel."""
     r = [sp.Matrix(numbers(3, k)) for k in range(2)]
-    n, A = zip(*(steered(*sc, sp.Integer(0), sp.Integer(1)) for sc in ((0, 1), (sp.Rational(3, 5), sp.Rational(4, 5)))),
-               strict=True)  # fmt: skip
+    slopes = ((sp.S.Zero, sp.S.One), (sp.Rational(3, 5), sp.Rational(4, 5)))
+    n, A = zip(*(steered(s, c, sp.S.Zero, sp.S.One) for s, c in slopes), strict=True)
     inverse, F = sp.diag(*numbers(3)), sp.Matrix(numbers(2, 9))
     moment = [r[k].cross(A[k]) for k in range(2)]
     alpha = inverse * (moment[0] * F[0] + moment[1] * F[1])

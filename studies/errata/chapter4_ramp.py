@@ -163,7 +163,7 @@ ENTRIES = (
         "changes by omega more, even on a straight ramp",
         consequence="at 2 m/s on 0.2 rad the wheel is 8 percent faster than the centre of mass; with the missing omega "
         "it moves the zero-jerk force of Fig 4.7",
-        derive=against(slope_rate), also=("framework of the ASME paper 8", "TIMR paper 7"), new=True,
+        derive=against(slope_rate), also=("ASME paper 8", "TIMR paper 7"), new=True,
     ),
     Erratum(
         equation="4.54 curvature", chapter="4", where="4.5, text", kind=WRONG, left="kappa",

@@ -15,13 +15,23 @@ from .erratum import INCOMPLETE, MISPRINT, WRONG, Erratum, Gap
 from .vibration import DAMPED, PSI, amplitudes, left_side, omega, p, partial_sum, response, time, zeta
 
 
+def plate_energies() -> tuple[sp.Expr, sp.Expr]:
+    """Return the largest strain energy of a wave sin(k x) of amplitude 1, and the kinetic one per omega^2, per area."""
+    E, nu, h, k, rho, depth = symbols("E nu h k rho z")
+    strain = E / (1 - nu**2) * (depth * k**2) ** 2 / 2  # a plate bends into z w'' and cannot contract sideways
+    return tuple(sp.integrate(density, (depth, -h / 2, h / 2)) for density in (strain, rho / 2))
+
+
+def stiffness() -> sp.Expr:
+    """Return K of 7.2: the strain energy is K k^4 / 2."""
+    return 2 * plate_energies()[0] / sp.Symbol("k") ** 4
+
+
 def plate_wave() -> sp.Expr:
-    """Return omega^2 of a wave sin(k x) in a plate: largest strain over largest kinetic energy per unit of omega^2."""
-    E, nu, K, h, k, rho, depth = symbols("E nu K h k rho z")
-    density = E / (1 - nu**2) * (depth * k**2) ** 2 / 2  # per amplitude^2, of the strain z w''
-    strain = sp.integrate(density, (depth, -h / 2, h / 2))
-    kinetic = sp.integrate(rho / 2, (depth, -h / 2, h / 2))
-    return (strain / kinetic).subs(E, 12 * K * (1 - nu**2) / h**3)
+    """Return omega^2 of the wave: strain over kinetic energy."""
+    E, K = symbols("E K")
+    strain, kinetic = plate_energies()
+    return (strain / kinetic).subs(E, sp.solve(stiffness() - K, E)[0])
 
 
 def two_masses() -> tuple[dict[str, Any], sp.Matrix]:

@@ -63,9 +63,14 @@ class Erratum:
     new: bool = False  # not in the list of errors that this register started from
 
     @property
+    def key(self) -> str:
+        """What the entry is called: the equation, after the paper if it is one of a paper."""
+        return self.equation if self.source == "thesis" else f"{self.source} {self.equation}"
+
+    @property
     def number(self) -> str:
-        """The number of the equation alone."""
-        return self.equation.split()[0]
+        """The number of the equation alone, with its paper."""
+        return self.key.removesuffix(self.equation) + self.equation.split()[0]
 
     def check(self) -> Gap:
         """Derive the right form again and return how far both forms are from it."""

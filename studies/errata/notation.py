@@ -61,7 +61,7 @@ class _Text:
             case ast.Name(id=name):
                 return self.name(name), _ATOM
             case ast.Constant(value=value):
-                return f"{value}", _ATOM
+                return str(value), _ATOM
             case ast.UnaryOp(op=ast.USub(), operand=inner):
                 return "-" + self.held(inner, _PRODUCT), _PRODUCT
             case ast.BinOp(left=a, op=ast.Add() | ast.Sub() as op, right=b):
@@ -118,7 +118,9 @@ class _Text:
 
     def raised(self, exponent: ast.expr) -> str:
         text = self.of(exponent)
-        return text.translate(_SUPERSCRIPT) if re.fullmatch(r"-?\d+", text) else f"^({text})"
+        if re.fullmatch(r"-?\d+", text):
+            return text.translate(_SUPERSCRIPT)
+        return f"^{text}" if len(text) == 1 else f"^({text})"
 
     def transpose(self, text: str) -> str:
         return f"{text}ᵀ"

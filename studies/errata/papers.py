@@ -83,7 +83,8 @@ def largest_response(entry: Erratum) -> Gap:
     w, t = 2 * np.pi * 3.82, np.linspace(0, 0.6, 60_001)
     step = lambda u: np.where(u > 0, 1 - np.cos(w * u), 0)  # noqa: E731
     largest = np.max(np.abs(step(t) - step(t - 0.15)))
-    return Gap(*(float(abs(numbers_in(form)[0] / largest - 1)) for form in (entry.right, entry.printed)), 1e-6)
+    right, printed = (float(abs(numbers_in(form)[0] / largest - 1)) for form in (entry.right, entry.printed))
+    return Gap(right, printed, tolerance=1e-6)  # the grid of times: (w dt)^2 / 8 of the peak
 
 
 _N = "mu_l*sin(delta) - sin(gamma)*cos(delta), -mu_l*cos(delta) - sin(gamma)*sin(delta), -mu_r*sin(gamma) + cos(gamma)"
