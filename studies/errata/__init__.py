@@ -9,8 +9,8 @@ from __future__ import annotations
 from cosim.errors import ScenarioError, nearest
 
 from . import (
+    appendices_b_c,
     appendix_a,
-    appendix_b,
     chapter3,
     chapter4_general,
     chapter4_ramp,
@@ -25,7 +25,8 @@ from .erratum import Erratum, Gap, Tex
 from .references import REFERENCES, Reference
 
 _PARTS = (
-    chapter3, chapter4_general, chapter4_ramp, chapter5, chapter6, chapter7, chapter8, appendix_a, appendix_b, papers,
+    chapter3, chapter4_general, chapter4_ramp, chapter5, chapter6, chapter7, chapter8, appendix_a, appendices_b_c,
+    papers,
 )  # fmt: skip
 REGISTER: tuple[Erratum, ...] = tuple(entry for part in _PARTS for entry in part.ENTRIES)
 CHAPTERS = tuple(dict.fromkeys(entry.chapter for entry in REGISTER))

@@ -221,15 +221,6 @@ ENTRIES = (
         also=("7.29", "C.3", "C.6"),
     ),
     Erratum(
-        equation="C.6 D_t", chapter="C", where="Appendix C", kind=WRONG, left="D_t",
-        printed="(p**2*sqrt(1 - zeta**2) - omega**2*zeta**2*sqrt(1 - zeta**2) - omega**2*(1 - zeta**2)**(1/2))/Psi",
-        right="(p**2 - omega**2)/Psi",
-        shown="undetermined coefficients; the exponent is 3/2 in 7.29, where only the common factor is wrong. As "
-        "printed the "
-        "response does not start at zero. D_s is not printed at all",
-        consequence="2.5e-9 at the damping of Table 8.1", derive=of_amplitude("cos", 1),
-    ),
-    Erratum(
         equation="7.19 period", chapter="7", where="7.5, text", kind=WRONG, left="",
         printed="within 3 s the transient of the first pulse has died out",
         right="after 3 s 98 percent of the first mode are left; it does not matter, since the response starts from "

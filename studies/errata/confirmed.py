@@ -9,8 +9,8 @@ from typing import NamedTuple
 import sympy as sp
 
 from .algebra import distance, formula
+from .appendices_b_c import with_print
 from .appendix_a import ETA, XI, term
-from .appendix_b import with_print
 from .chapter6 import path
 from .chapter7 import stiffness
 from .papers import reaction_direction

@@ -1,4 +1,4 @@
-"""Errors of Appendix B: the pitch equation in closed form, by the absolute slope gamma, nose-up."""
+"""Errors of Appendix B, the pitch equation by the absolute slope and nose-up, and of Appendix C, a mode's response."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import sympy as sp
 
 from .algebra import against, numbers, with_values
 from .chapter5 import coefficients
+from .chapter7 import of_amplitude
 from .erratum import WRONG, Erratum
 from .side_view import I_y, gamma, m, side_view, theta
 
@@ -54,5 +55,14 @@ ENTRIES = (
         "the touching point as a point of the body, which a rolling wheel does not have. Delta and lambda are right",
         consequence="small: R p'^2 beside the lengths of the robot",
         derive=with_values(without_radius), also=("framework paper, Appendix A",),
+    ),
+    Erratum(
+        equation="C.6 D_t", chapter="C", where="Appendix C", kind=WRONG, left="D_t",
+        printed="(p**2*sqrt(1 - zeta**2) - omega**2*zeta**2*sqrt(1 - zeta**2) - omega**2*(1 - zeta**2)**(1/2))/Psi",
+        right="(p**2 - omega**2)/Psi",
+        shown="undetermined coefficients; the exponent is 3/2 in 7.29, where only the common factor is wrong. As "
+        "printed the "
+        "response does not start at zero. D_s is not printed at all",
+        consequence="2.5e-9 at the damping of Table 8.1", derive=of_amplitude("cos", 1),
     ),
 )  # fmt: skip
