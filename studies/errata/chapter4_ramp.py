@@ -32,6 +32,14 @@ def coupling(row: int, column: int) -> sp.Expr:
     return level(side_view().P[row, column])
 
 
+def rolling_rate() -> sp.Expr:
+    """Return omega of a level robot with both wheels on the ground: the front centre moves along the slope."""
+    v_x, v_z, turn = sp.symbols("v_x v_z turn")
+    rear, front = (turned(*centre).diff(p).subs(p, 0) * -turn + sp.Matrix([v_x, v_z]) for centre in CENTRES)
+    found = sp.solve([rear[1], front[1] * sp.cos(gamma) - front[0] * sp.sin(gamma)], [v_z, turn])
+    return found[turn]
+
+
 def turning_velocity() -> tuple[dict[str, Any], sp.Matrix]:
     """Return the acceleration (3,) in body axes of a turning body whose velocity has given components in its axes."""
     v, angles = sp.Matrix([polynomial(k) for k in (1, 2, 3)]), [polynomial(k) for k in (4, 5, 6)]
@@ -143,6 +151,17 @@ ENTRIES = (
         right="cos(gamma)/m + L_r*(h*sin(gamma) - L_f*cos(gamma))/I_y",
         shown="as P_12; the printed second term is that of P_22",
         consequence="as P_12", derive=against(lambda: coupling(1, 0)),
+    ),
+    Erratum(
+        equation="4.48 omega", chapter="4", where="4.3, 4.4", kind=INCOMPLETE, left="omega",
+        printed="omega_p", right="-v_x*sin(gamma)/((L_f + L_r)*cos(gamma) - h*sin(gamma))",
+        shown="the velocities of the wheel centres of a level robot that keeps both on the ground. The pitch rate of "
+        "4.47 "
+        "and 4.48 is not free, and the speed enters b through it alone",
+        consequence="Fig 4.4: the front wheels lift from 0.757 rad on at 2 m/s; the printed 0.98 rad comes out for 2 "
+        "rad/s "
+        "at all slopes",
+        derive=against(rolling_rate), also=("4.54",), new=True,
     ),
     Erratum(
         equation="4.51 a_cy", chapter="4", where="4.5", kind=MISPRINT, left="a_cy",

@@ -15,7 +15,7 @@ from plants.tables import robot
 
 from .algebra import DIGITS, against, numbers, summation, symbols, value, with_values
 from .erratum import INCOMPLETE, MISPRINT, WRONG, Erratum, Gap
-from .side_view import CENTRES, p, turned
+from .side_view import CENTRES, level, p, side_view, turned
 
 TIME = sp.Symbol("t")
 
@@ -100,6 +100,20 @@ def gains(entry: Erratum) -> Gap:
     return Gap(off(entry.right), off(entry.printed), tolerance=0.5)  # "about one tenth of a second"
 
 
+def rest_on_the_ramp(entry: Erratum) -> Gap:
+    """Compare both deformations in mm, front first, with those under the weight on 0.3 rad, 5.6e6 N/m per axle."""
+    at, side = Posture(0.3), Bicycle(robot("thesis_6_1"), "centre")
+    rear, front = np.linalg.solve(side.P(at), side.b(at, np.zeros(3))) / 5.6e6 * 1e3
+    off = lambda form: float(np.max(np.abs(np.divide(numbers_in(form)[:2], (-front, -rear)) - 1)))  # noqa: E731
+    return Gap(off(entry.right), off(entry.printed), tolerance=0.05)  # two digits
+
+
+def on_the_flat(entry: Erratum) -> Gap:
+    """Return |det U| where both axles are on one plane, and 1 if it vanishes there."""
+    singular = level(side_view().U.det()).subs(sp.Symbol("gamma"), 0).expand()
+    return Gap(float(abs(singular)), float(singular == 0))
+
+
 def critical_rate() -> tuple[dict[str, Any], sp.Expr]:
     """Return the h_1 at which s^2 + h_1 s + 1500 has a double root."""
     h_1 = sp.Symbol("h_1", positive=True)
@@ -170,6 +184,21 @@ ENTRIES = (
         printed="h_0 = 70, h_1 = 1500", right="h_0 = 1500, h_1 = 70",
         shown="the poles of 6.11: the printed pair settles in 84 s, not in a tenth of a second; the captions of Fig "
         "6.5 and 6.6 have it right", consequence="none", derive=gains,
+    ),
+    Erratum(
+        equation="6.9 z_R", chapter="6", where="6.3, text", kind=WRONG, left="",
+        printed="z_R = -20 mm at the front, -10 mm at the rear", right="z_R = -0.15 mm at the front, -0.15 mm at the "
+        "rear",
+        shown="the deformation under the weight on 0.3 rad; the printed one needs 112 and 56 kN on a robot of 1.7 kN",
+        consequence="tractions of 629 and -471 kN for as long as it lasts, and no disengaging",
+        derive=rest_on_the_ramp, also=("impact paper, d",), new=True,
+    ),
+    Erratum(
+        equation="6.14", chapter="6", where="6.2", kind=INCOMPLETE, left="",
+        printed="F_a = U^-1 (v - b_g)", right="F_a = U^-1 (v - b_g) with both axles pressed, and on different slopes",
+        shown="det U vanishes where both axles are on one plane: their tractions move the contacts alike",
+        consequence="the law must be off before the ramp, on it, and whenever a wheel is in the air",
+        derive=on_the_flat, also=("impact paper 12",), new=True,
     ),
     Erratum(
         equation="6.11 critical", chapter="6", where="6.3, text", kind=WRONG, left="h_1",
