@@ -57,11 +57,14 @@ def run(
     return execute(scenario(name, variant, **changes), parts=parts, pool=pool)
 
 
-def compare(name: str, *variants: str, out: Path | str = "runs", **changes: Any) -> Comparison:
-    """Run variants of a scenario (all, if none are named) side by side, with logs and a picture in the folder *out*."""
+def compare(name: str, *variants: str, out: Path | str = "runs", jobs: int | None = None, **changes: Any) -> Comparison:
+    """Run variants of a scenario (all, if none are named) side by side, with logs and a picture in the folder *out*.
+
+    *jobs* is how many run at once; None: as many as there are processors.
+    """
     from . import session
 
-    return session.compare(name, variants or None, [changes], Path(out), quiet=True)
+    return session.compare(name, variants or None, [changes], Path(out), quiet=True, jobs=jobs)
 
 
 __all__ = ["compare", "run", "scenario"]

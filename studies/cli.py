@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
@@ -19,6 +20,8 @@ from .terminal import complain, note
 
 if TYPE_CHECKING:
     from logs.live import Viewer
+
+    from .session import Done
 
 app = typer.Typer(
     name="wmr-cosim",
@@ -132,6 +135,9 @@ def compare(
     view: Annotated[bool, typer.Option("--view", help="Open the Rerun viewer on the combined log.")] = False,
     serve: Serve = False,
     no_log: Annotated[bool, typer.Option("--no-log", help="Write no Rerun files.")] = False,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="How many variants run at once; default: as many as there are processors.")
+    ] = None,
     full: Annotated[bool, typer.Option("--full", help="Print all figures, not only those that decide.")] = False,
     json: AsJson = False,
 ) -> None:
@@ -151,8 +157,8 @@ def compare(
     if logs:
         from .recall import compare_logs
 
-        if changes or variants or no_log:
-            left_out = "--set, --step, --duration, --variants and --no-log"
+        if changes or variants or no_log or jobs:
+            left_out = "--set, --step, --duration, --variants, --jobs and --no-log"
             raise ScenarioError(f"--logs compares runs as they were: leave out {left_out}")
         done = compare_logs([Path(s) for s in scenario], out, baseline=baseline, report=report, quiet=json)
     else:
@@ -162,14 +168,14 @@ def compare(
             raise ScenarioError(f"compare runs one scenario, not {len(scenario)}; are these logs? then add --logs")
         names = tuple(filter(None, (v.strip() for v in variants.split(",")))) if variants else None
         done = session.compare(
-            scenario[0], names, changes, out, log=not no_log, report=report, quiet=json, baseline=baseline
+            scenario[0], names, changes, out, log=not no_log, report=report, quiet=json, baseline=baseline, jobs=jobs
         )
     present.show_comparison(done, json, full)
     shown = done.combined or next((r.log for r in done.runs if r.log), None)
     if shown:
         with _viewer(shown, view=view, serve=serve):
             pass
-    _finish(done.runs if not logs else [])
+    _finish(done.runs if not logs else [], done.failed)
 
 
 app.command("explain")(cli_explain.explain)
@@ -207,12 +213,15 @@ def _changes(texts: list[str] | None, step: float | None, duration: float | None
     return found
 
 
-def _finish(runs: list) -> None:
+def _finish(runs: list[Done], before: Mapping[str, CosimError] = MappingProxyType({})) -> None:
+    """Say which runs failed, those included that did not begin, by variant; then the exit code is 1."""
+    for variant, error in before.items():
+        complain(f"{variant}: {error}")
     failed = [r for r in runs if r.result.error is not None]
     for r in failed:
         kept = f"; the log up to there is {r.log}" if r.log else ""
         complain(f"{r.result.scenario.name} {r.result.scenario.variant}".strip() + f": {r.result.error}{kept}")
-    if failed:
+    if failed or before:
         raise typer.Exit(1)
 
 

@@ -86,7 +86,7 @@ def show_comparison(done: Comparison, json: bool, full: bool = False) -> None:
         print_json({
             "scenario": scenarios[0].name, "baseline": scenarios[0].variant, "rows": rows, "notes": done.notes,
             "runs": [_run_facts(r) for r in done.runs], "in_words": sentences, "combined": done.combined,
-            "picture": done.picture, "report": done.report,
+            "picture": done.picture, "report": done.report, "failed": {v: str(e) for v, e in done.failed.items()},
         })  # fmt: skip
         return
     out().print(f"[bold]{plain(heading(scenarios))}[/bold]", soft_wrap=True)

@@ -6,6 +6,7 @@ import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
+from threading import Lock
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any
@@ -29,6 +30,7 @@ from .full_order import as_wheels
 from .metrics import Metric, verdict
 
 Progress = Callable[[str], None]
+_BUILDING = Lock()  # of runs in several threads one builds, and the others find the FMUs that they share
 
 
 @dataclass(repr=False)
@@ -142,8 +144,9 @@ def execute(
     the next run.  Raises CosimError for anything that is wrong before the first step.
     """
     clock = perf_counter()
-    assembly = assemble(scenario, parts)
-    instances = instantiate(assembly, say, pool)
+    with _BUILDING:
+        assembly = assemble(scenario, parts)
+        instances = instantiate(assembly, say, pool)
     seconds = {"building": perf_counter() - clock}
     record, made_of = Record(), provenance(instances)
     system = connect(assembly, instances)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from cosim.errors import ScenarioError
+from cosim.errors import CosimError, ScenarioError
 from cosim.instance import Instance
 from cosim.observer import Block, Observer, Point, RunInfo, Summary
 from cosim.record import Record
@@ -29,6 +29,7 @@ from .conclusion import conclusion, heading, mixed
 from .drawn import camera, drawn, gap_mismatch
 from .metrics import as_mapping, markdown, table
 from .origin import origin
+from .parallel import together
 from .picture import draw, drawable
 from .places import run_folder
 from .runner import Result, execute, judge, provenance
@@ -62,6 +63,7 @@ class Comparison:
     picture: Path | None
     report: Path | None = None
     notes: tuple[str, ...] = ()  # what is worth knowing before the numbers are read
+    failed: dict[str, CosimError] = field(default_factory=dict)  # variants of which nothing came, and why
 
     def __repr__(self) -> str:
         names = ", ".join(r.result.scenario.variant or r.result.scenario.name for r in self.runs)
@@ -115,11 +117,14 @@ def compare(
     report: Path | None = None,
     quiet: bool = False,
     baseline: str | None = None,
+    jobs: int | None = None,
 ) -> Comparison:
     """Run several variants of a scenario (all, if none are named), combine their logs and draw the picture.
 
     *changes* are ``--set`` texts, or tables of the scenario file; *report* is where the HTML report goes, if there is
-    to be one; *baseline* is what the others are compared to, the first if it is not named.
+    to be one; *baseline* is what the others are compared to, the first if it is not named; *jobs* is how many run at
+    once, as many as there are processors if it is None.  Variants that fail before their first step are told in
+    ``failed``; raises the first's CosimError if all do.
     """
     file = find_scenario(name)
     names = tuple(dict.fromkeys(variants or file.variants))
@@ -130,8 +135,12 @@ def compare(
     scenarios = list(baseline_first({v: file.load(v, overrides) for v in names}, baseline).values())
     folder = run_folder(out)
     with progress(quiet) as bar:
-        runs = [run_scenario(s, folder if log else None, bar) for s in scenarios]
-        return put_together(runs, folder, scenarios[0].name, report, bar)
+        found = together(scenarios, lambda s, part: run_scenario(s, folder if log else None, part), bar, jobs)
+        failed = {s.variant: f for s, f in zip(scenarios, found, strict=True) if isinstance(f, CosimError)}
+        if len(failed) == len(found):
+            raise next(iter(failed.values()))
+        done = put_together([f for f in found if isinstance(f, Done)], folder, scenarios[0].name, report, bar)
+        return replace(done, failed=failed)
 
 
 def put_together(runs: list[Done], folder: Path, stem: str, report: Path | None, bar: Bar) -> Comparison:

@@ -87,6 +87,11 @@ class Bar:
             self.progress.update(self.task, description=plain(label), completed=share or 0.0,
                                  total=None if share is None else 1.0)  # fmt: skip
 
+    def remove(self) -> None:
+        """Take it off the screen."""
+        if self.progress is not None and self.task is not None:
+            self.progress.remove_task(self.task)
+
 
 SILENT = Bar(None)
 

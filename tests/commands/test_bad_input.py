@@ -78,7 +78,7 @@ def complaint(said: Said) -> str:
                                        "nowhere.rrd"),
         ("compare --logs nowhere.rrd other.rrd", "there is no log nowhere.rrd"),
         ("compare --logs a.rrd b.rrd --step 1e-4", "--logs compares runs as they were: leave out --set, --step, "
-                                                   "--duration, --variants and --no-log"),
+                                                   "--duration, --variants, --jobs and --no-log"),
         ("inspect nowhere.rrd", "there is no log nowhere.rrd"),
         ("inspect nowhere.rrd --rerun", "there is no log nowhere.rrd"),
         ("inspect pyproject.toml --diff nowhere.rrd", r"pyproject.toml is not a Rerun log: .*"),

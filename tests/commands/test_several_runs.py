@@ -6,7 +6,10 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
 from urllib.error import URLError
 from urllib.request import urlopen
 
@@ -16,8 +19,12 @@ from commandline import Command, FadingSoon
 from toys import Fading
 
 import fmus
+from cosim.scenario import Scenario
 from logs.inspect import describe
 from logs.read import signals
+from studies.catalog import find_scenario
+from studies.parallel import together
+from studies.terminal import SILENT, Bar
 
 ROOT = Path(__file__).parents[2]
 
@@ -81,3 +88,90 @@ def test_a_comparison_of_which_one_run_fails(wmr: Command, tmp_path: Path) -> No
     assert difference.ns.tolist() == [k * 10_000_000 for k in range(11)]
     own = [signals(out / f"fading-{name}.rrd")["thing.y"].values[:11] for name in ("long", "short")]
     np.testing.assert_array_equal(difference.values, own[1] - own[0])
+
+
+# several variants at once
+
+
+def compared(wmr: Command, out: Path, jobs: int) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """Return the answer of a comparison, without times and places, and every value of its combined log."""
+    said = wmr("compare", "ramp-impact", "--variants", "uncontrolled,pd-friction,lqr", "--duration", "0.05",
+               "--out", out, "--jobs", jobs, "--json")  # fmt: skip
+    assert said.code == 0, said.err
+    document = json.loads(said.out)
+    values = {
+        port: held.ns.tobytes() + held.values.tobytes()
+        for port, held in signals(Path(document["combined"])).items()
+        if not port.endswith("master.wall")
+    }
+    runs = [{key: run[key] for key in ("variant", "error", "metrics")} for run in document["runs"]]
+    return {"rows": document["rows"], "words": document["in_words"], "runs": runs}, values
+
+
+def test_at_once_or_in_turn_is_the_same(wmr: Command, tmp_path: Path) -> None:
+    """To the bit, in the order of the file."""
+    answer, values = compared(wmr, tmp_path / "turn", 1)
+    assert [run["variant"] for run in answer["runs"]] == ["uncontrolled", "pd-friction", "lqr"]
+    assert len(values) > 100
+    again, others = compared(wmr, tmp_path / "once", 3)
+    assert again == answer
+    assert {port for port in values.keys() | others.keys() if values.get(port) != others.get(port)} == set()
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_a_variant_that_cannot_begin_does_not_lose_the_others(jobs: int, wmr: Command, tmp_path: Path) -> None:
+    scenario = tmp_path / "absent.toml"
+    path = fmus.build(Fading(end=9.0), folder=tmp_path)
+    variants = {"absent": tmp_path / "nothing.fmu", "first": path, "second": path}
+    scenario.write_text(
+        'title = "t"\nclaim = "c"\n[run]\nstep = 0.01\nduration = 0.2\n'
+        + "".join(f'[variants.{name}]\ncomponents.thing.fmu = "{fmu}"\n' for name, fmu in variants.items())
+    )
+    said = wmr("compare", scenario, "--out", tmp_path / "out", "--jobs", jobs, "--json")
+    document = json.loads(said.out)
+    assert said.code == 1
+    assert said.err.startswith(f"error: absent: cannot read the FMU {tmp_path / 'nothing.fmu'}: No such file")
+    assert list(document["failed"]) == ["absent"]
+    assert [run["variant"] for run in document["runs"]] == ["first", "second"]
+    assert Path(document["combined"]).exists()
+    said = wmr("compare", scenario, "--variants", "absent", "--jobs", jobs)
+    assert (said.code, said.out) == (1, "")
+
+
+def test_what_breaks_one_run_off_breaks_all_off() -> None:
+    """The others end at the next point of theirs at which they say how far they are."""
+    running, ended = threading.Barrier(2), []
+    scenarios = [find_scenario("ramp-impact").load(variant) for variant in ("uncontrolled", "pd", "lqr")]
+
+    def run(scenario: Scenario, bar: Bar) -> None:
+        running.wait(10)
+        if scenario.variant == "pd":
+            raise OSError("disk full")
+        try:
+            while True:
+                bar(scenario.variant, 0.5)
+        except OSError:
+            ended.append(scenario.variant)
+            raise
+
+    with pytest.raises(OSError, match="disk full"):
+        together(scenarios, run, SILENT, 2)
+    assert ended == ["uncontrolled"]  # and the third has not begun
+
+
+def test_ctrl_c_ends_all_runs_and_their_logs_say_so(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "studies.cli", "compare", "ramp-impact", "--variants", "uncontrolled,pd-friction",
+               "--duration", "500", "--out", str(tmp_path), "--jobs", "2"]  # fmt: skip
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    until = monotonic() + 100
+    while len(begun := list(tmp_path.glob("*.part"))) < 2 or min(p.stat().st_size for p in begun) < 1 << 20:
+        assert process.poll() is None, process.communicate()
+        assert monotonic() < until
+        sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 128 + signal.SIGINT
+    assert err.endswith("a log that was begun holds what was computed up to here, and says so\n")
+    logs = sorted(tmp_path.iterdir())
+    assert [log.name for log in logs] == ["ramp-impact-pd-friction.rrd", "ramp-impact-uncontrolled.rrd"]
+    assert [describe(log, ["body.pitch"])["status"] for log in logs] == ["interrupted"] * 2
