@@ -219,7 +219,7 @@ def _finish(runs: list[Done], before: Mapping[str, CosimError] = MappingProxyTyp
         complain(f"{variant}: {error}")
     failed = [r for r in runs if r.result.error is not None]
     for r in failed:
-        kept = f"; the log up to there is {r.log}" if r.log else ""
+        kept = f"; the log up to there is {r.log}" if r.log and str(r.log) not in str(r.result.error) else ""
         complain(f"{r.result.scenario.name} {r.result.scenario.variant}".strip() + f": {r.result.error}{kept}")
     if failed or before:
         raise typer.Exit(1)
