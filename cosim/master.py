@@ -19,6 +19,7 @@ from .compiled import compiled_loop
 from .control import PI, Fixed, Pace
 from .errors import CouplingError, ScenarioError, StepError
 from .event_mode import EventMode
+from .finite import Finite
 from .observer import Block, Observer, Point, RunInfo, Summary
 from .step_checks import check_periods, check_steps, rewound, sample_period
 from .system import System
@@ -91,7 +92,7 @@ class _Run:
         if isinstance(control, PI):
             control.check(system)
             self.rewound, compiled = self.sequence, False
-        self.hybrid = EventMode(system)
+        self.hybrid, self.finite = EventMode(system), Finite(system)
         check_steps(system, info, locating=self.locating)
         self.fast = compiled_loop(compiled, system, algorithm, info, self.sequence, self.rewound, self.observers)
         self.inputs = {name: i.u for name, i in system.instances.items()}
@@ -243,6 +244,8 @@ class _Run:
         """Accept what was computed from now to *end*, or in a micro step there, and tell of it."""
         self._tell_events()
         initial = self.steps == 0 and end == self.info.start_ns and not micro
+        if not initial and not self.finite.good(self.system.row[None]):  # some know nothing before their first step
+            raise self.finite.error(self.system.row, end)
         self.steps += not initial
         point = Point(self.steps, self.now, end, self.wall(), self.inputs, self.outputs, self.system.row, micro)
         self.now = end
@@ -252,6 +255,13 @@ class _Run:
     def accept_many(self, n: int, end: int, block: Block | None) -> None:
         """Accept *n* macro steps, the last to *end*, and tell of them if there is a *block*."""
         self._tell_events()
+        if block is None:
+            if not self.finite.good(self.system.row[None]):
+                raise self.finite.error(self.system.row, end)
+        elif (good := self.finite.good(block.rows)) < n:
+            if good:
+                self.accept_many(good, int(block.ends[good - 1]), block.until(good))
+            raise self.finite.error(block.rows[good], int(block.ends[good]))
         self.steps += n
         self.now = end
         if block is not None:

@@ -69,6 +69,10 @@ class Block(NamedTuple):
     rows: np.ndarray  # (n, width)
     places: Mapping[tuple[str, str], slice]
 
+    def until(self, n: int) -> Block:
+        """Return the first *n* points."""
+        return self._replace(starts=self.starts[:n], ends=self.ends[:n], walls=self.walls[:n], rows=self.rows[:n])
+
     def points(self) -> Iterator[Point]:
         """Yield the points one by one, as views of the rows."""
         names = list(dict.fromkeys(name for name, _ in self.places))

@@ -49,11 +49,14 @@ def _described(v: Variable) -> dict[str, Any]:
     }
 
 
-def check(path: str | os.PathLike[str]) -> list[str]:
-    """Return the problems of an FMU, none if it is sound: its description by FMPy, its behaviour by running it."""
+def check(path: str | os.PathLike[str], *, isolated: bool | None = None) -> list[str]:
+    """Return the problems of an FMU, none if it is sound: its description by FMPy, its behaviour by running it.
+
+    *isolated* runs it in a process of its own, so that a crash is a problem like another.
+    """
     problems = _validated(path)
     try:
-        instance = load(path)
+        instance = load(path, isolated=isolated)
     except CosimError as error:
         return [*problems, str(error)]
     try:

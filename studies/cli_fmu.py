@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 from typing import Annotated, Any
@@ -96,7 +97,7 @@ def check(
     with progress(json) as bar:
         for done, path in enumerate(files):
             bar(f"checking {path}", done / len(files))
-            found[str(path)] = fmus.check(path)
+            found[str(path)] = fmus.check(path, isolated=os.name == "posix" or None)
     if json:
         print_json(found)
     else:

@@ -11,6 +11,10 @@ enum { NONE, FAIL, FATALLY, HANG, CRASH, ABORT, EXIT, DISCARD, END, NOT_A_NUMBER
        CRASH_IN_GET, DISCARD_ALL, KEEP_ON_RESET, THREAD_KEY, REFUSE_INPUTS, REFUSE_OUTPUTS, END_NOWHERE, END_BEFORE,
        RETURN_NOWHERE, CREEP, FAIL_TO_SAVE, FAIL_TO_RESTORE, TALK, START_A_TOOL, WRITE_A_LOT, STIFF };
 
+#ifndef ODDITY
+#define ODDITY NONE /* what it is if nobody says so */
+#endif
+
 typedef struct {
     double x, u, y, at, longest, reached;
     int oddity;
@@ -53,6 +57,7 @@ static Odd *created(void *environment, void *functions)
     Odd *o = calloc(1, sizeof *o);
     o->environment = environment;
     o->functions = functions;
+    o->oddity = ODDITY;
     o->at = 0.5;
     o->longest = 1e9;
     return o;

@@ -46,12 +46,23 @@ FMI3 = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def odd(folder: Path, fmi: int, flags: str = "") -> Path:
-    """Build the odd FMU with these *flags* of its co-simulation interface."""
+def odd(folder: Path, fmi: int, flags: str = "", oddity: str = "none") -> Path:
+    """Build the odd FMU with these *flags* of its co-simulation interface; *oddity* is what it is by default."""
     folder.mkdir(parents=True, exist_ok=True)
     library = folder / f"Odd{fmpy.sharedLibraryExtension}"
     headers = Path(fmpy.__file__).parent / "c-code"
-    command = ["cc", "-shared", "-fPIC", "-O1", f"-DFMI_VERSION={fmi}", f"-I{headers}", HERE / "odd.c", "-o", library]
+    command = [
+        "cc",
+        "-shared",
+        "-fPIC",
+        "-O1",
+        f"-DFMI_VERSION={fmi}",
+        f"-DODDITY={ODDITIES.index(oddity)}",
+        f"-I{headers}",
+        HERE / "odd.c",
+        "-o",
+        library,
+    ]
     subprocess.run(command, check=True)
     place = fmpy.platform if fmi == 2 else fmpy.platform_tuple
     path = folder / f"odd{fmi}.fmu"

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from odd import odd
 from toys import Mass
+from typer.testing import CliRunner
 
 import fmus
 from cosim import ExportError, Instance, ScenarioError, WiringError
@@ -18,6 +19,7 @@ from cosim.clock import NS
 from fmus import FmuInstance, IsolatedFmu
 from plants.wheel_deformation import WheelDeformation
 from studies.catalog import find_scenario
+from studies.cli import app
 from studies.runner import Result, execute
 
 H = NS // 1000
@@ -163,6 +165,13 @@ def test_what_lies_in_the_working_folder_is_not_imported(
     (tmp_path / "pickle.py").write_text("raise SystemExit('somebody else's pickle')")
     monkeypatch.chdir(tmp_path)
     fmus.load(odd_fmus[2], isolated=True).close()
+
+
+def test_a_crash_while_it_is_checked_is_a_problem(fmi: int, tmp_path: Path) -> None:
+    path = odd(tmp_path, fmi, oddity="crash at the start")
+    done = CliRunner().invoke(app, ["fmu", "check", str(path)])
+    assert done.exit_code == 1
+    assert f"Odd failed at t = 0 s: it crashed in fmi{fmi}EnterInitializationMode: SIGABRT (aborted)" in done.output
 
 
 def test_a_time_limit_needs_a_process(fmi: int, odd_fmus: dict[int, Path]) -> None:
