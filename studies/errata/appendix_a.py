@@ -96,9 +96,9 @@ ENTRIES = (
         f"+ m*(omega**2*(-L_f*{_L}*sin(gamma)*cos(gamma) + h*{_L}*sin(gamma)**2) - L_r*g)",
         right=RHO,
         shown="Psi alpha_y. All terms have the nose-up sign, while A.1, A.2 and 4.51 count omega_y nose-down",
-        consequence="the second term of the normal jerk has the wrong sign: F(zero jerk) of 718 N and more at 0.2 "
-        "rad, where "
-        "Fig 4.7 shows 367 N", derive=against(lambda: numerators()[2]),
+        consequence="the second term of the normal jerk has the wrong sign: as printed the appendix gives 1129, 718 "
+        "or 402 N without jerk at 0.2 rad, for bends of 1, 2 or 5 1/m; without its errors 357, 308 or 288 "
+        "N", derive=against(lambda: numerators()[2]),
     ),
     Erratum(
         equation="A.3 rho_3", chapter="A", where="Appendix A", kind=WRONG, left="rho_3",

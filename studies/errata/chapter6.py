@@ -225,8 +225,8 @@ ENTRIES = (
         equation="6.16", chapter="6", where="6.4", kind=WRONG, left="",
         printed="A = (0, I; P k_w, 0)", right="A = (0, I; -P k_w, 0)",
         shown="springs without dampers neither give nor take energy: all poles lie on the imaginary axis",
-        consequence="printed poles at +-226.6 and +-253.8 1/s, right ones at these frequencies in rad/s; gains placed "
-        "for the printed A do not stabilise", derive=poles_of_springs,
+        consequence="printed poles at +-226.6 and +-253.8 1/s, right ones at these frequencies in rad/s; poles that "
+        "are placed at -50 1/s on the printed A come to lie at -50 +- 359j on the robot", derive=poles_of_springs,
     ),
     Erratum(
         equation="6.17", chapter="6", where="6.5", kind=MISPRINT, left="p",
