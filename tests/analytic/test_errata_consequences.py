@@ -122,7 +122,7 @@ def test_the_pitch_of_1_38_s_by_the_text_of_chapter_5() -> None:
     derived = lambda gamma, p: Bicycle(bot).P(Posture(gamma + p, pitch=p))  # noqa: E731
 
     def shortest(beta: float) -> float:
-        times = np.linspace(0.9, 0.997, 30)  # the last is the least favourable
+        times = np.linspace(0.01, 0.99, 99)
         found = [pitch_rates(t, beta, derived) for t in times]
         wanted = [planned_pitch(t, beta).acceleration - turn for t, (_, _, turn) in zip(times, found, strict=True)]
         return float(np.sqrt(max(w / still for w, (_, still, _) in zip(wanted, found, strict=True))))
