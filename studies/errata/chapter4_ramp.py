@@ -141,7 +141,7 @@ ENTRIES = (
         shown="positions of the wheel centres differentiated, with the virtual work of the normal forces; P is the "
         "kinetic energy's inverse seen at the contacts, so P_12 = P_21",
         consequence="everything that divides by P: contact forces, jerk, frequencies of the wheels. The author's code "
-        "must have had the right one: Fig 4.4 (0.98 rad) needs it",
+        "seems to have had the right one: the 0.98 rad of Fig 4.4 come out with it, not with the printed one",
         derive=against(lambda: coupling(0, 1)),
     ),
     Erratum(

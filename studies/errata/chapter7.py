@@ -196,6 +196,14 @@ ENTRIES = (
         consequence="none, it is not used", derive=back_transform,
     ),
     Erratum(
+        equation="7.19 period", chapter="7", where="7.5, text", kind=WRONG, left="",
+        printed="within 3 s the transient of the first pulse has died out",
+        right="after 3 s 98 percent of the first mode are left; it does not matter, since the response starts from "
+        "rest",
+        shown="exp(-zeta omega t) with zeta = 5e-5 and 24 Hz: the decay takes 133 s",
+        consequence="none for times within the period", derive=first_mode_after_3_s,
+    ),
+    Erratum(
         equation="7.20", chapter="7", where="7.5", kind=INCOMPLETE, left="r",
         printed=_SERIES, right=f"a_0/2 + {_SERIES}",
         shown="the series of a pulse, cut off, by Dirichlet's kernel; a_0/2 is the pulse's share of the period",
@@ -219,13 +227,5 @@ ENTRIES = (
         "follows from 7.21 and 7.26, and right but for that",
         consequence="1.2e-9 at the damping of Table 8.1", derive=of_amplitude("sin", 0),
         also=("7.29", "C.3", "C.6"),
-    ),
-    Erratum(
-        equation="7.19 period", chapter="7", where="7.5, text", kind=WRONG, left="",
-        printed="within 3 s the transient of the first pulse has died out",
-        right="after 3 s 98 percent of the first mode are left; it does not matter, since the response starts from "
-        "rest",
-        shown="exp(-zeta omega t) with zeta = 5e-5 and 24 Hz: the decay takes 133 s",
-        consequence="none for times within the period", derive=first_mode_after_3_s,
     ),
 )  # fmt: skip

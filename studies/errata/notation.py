@@ -152,7 +152,8 @@ class _Latex(_Text):
     """Walks a formula and writes it in LaTeX."""
 
     def parentheses(self, text: str) -> str:
-        return rf"\left({text}\right)"
+        tall = any(part in text for part in (r"\frac", r"\int", r"\sum", r"\begin"))
+        return rf"\left({text}\right)" if tall else f"({text})"
 
     def name(self, name: str) -> str:
         if name.startswith("Delta_"):

@@ -25,15 +25,14 @@ def markdown(entries: Sequence[Erratum] = REGISTER) -> str:
 
 
 def register_html(entries: Sequence[Erratum] = REGISTER) -> str:
-    """Return a section with the entries, what was found right and what only names something else."""
-    head = "".join(f"<th>{name}</th>" for name in _COLUMNS)
+    """Return a section with the entries, what was found right and what only names something else; without scripts."""
     body = "\n".join(_row(e) for e in entries)
     right = ", ".join(escape(c.equation) for c in CONFIRMED)
     named = "\n".join(
         f"<tr><td>{escape(r.where)}</td><td>{escape(r.printed)}</td><td>{escape(r.meant)}</td></tr>" for r in REFERENCES
     )
     return f"""<section id="errata"><h2>Errors in print</h2>
-<table><thead><tr>{head}</tr></thead><tbody>
+<table><thead><tr><th>Equation</th><th>Printed, and right</th><th>Shown by, and consequence</th></tr></thead><tbody>
 {body}
 </tbody></table>
 <p>Derived again and found right: {right}.</p>
@@ -43,16 +42,17 @@ def register_html(entries: Sequence[Erratum] = REGISTER) -> str:
 
 
 def _row(entry: Erratum) -> str:
-    cells = [
-        f"<b>{escape(entry.key)}</b>{escape(_also(entry))}", escape(entry.kind),
-        _math(entry, entry.printed, entry.latex.printed), _math(entry, entry.right, entry.latex.right),
-        escape(entry.shown), escape(entry.consequence),
-    ]  # fmt: skip
-    return "<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
+    cells = (
+        [f"<b>{escape(entry.key)}</b> {entry.kind}", escape(_also(entry).strip())],
+        [_math(entry.printed, entry.latex.printed), _math(entry.right, entry.latex.right)],
+        [escape(entry.shown), f"<i>{escape(entry.consequence)}</i>"],
+    )
+    return "<tr>" + "".join("<td>" + "".join(f"<p>{part}</p>" for part in cell) + "</td>" for cell in cells) + "</tr>"
 
 
-def _math(entry: Erratum, form: str, tex: str) -> str:
-    return escape(form) if tree(form) is None else convert(tex)
+def _math(form: str, tex: str) -> str:
+    """Return a form as MathML with fractions in full size; words as they are."""
+    return escape(form) if tree(form) is None else convert(tex).replace("<math ", '<math displaystyle="true" ', 1)
 
 
 def _also(entry: Erratum) -> str:
