@@ -1,4 +1,4 @@
-"""The full-order-ramp scenario keeps its claim: what closed loops can do without limit, and what friction leaves of it."""
+"""The full-order-ramp scenario keeps its claim: what feedback can do without limit, and what friction leaves."""
 
 from __future__ import annotations
 
