@@ -1,7 +1,9 @@
 """The master: components, units, time, wiring, algorithms, scenarios.  It knows ports, time and steps, and no robot."""
 
 from .algorithms import Algorithm, GaussSeidel, Jacobi
+from .bonds import Bond, Residuals
 from .component import Component, event, input, output, parameter, state, structural, table
+from .conserving import Conserving, EnergyError
 from .consistent import Consistent
 from .control import PI, Fixed
 from .errors import (
@@ -30,13 +32,16 @@ __all__ = [
     "PI",
     "Advance",
     "Algorithm",
+    "Bond",
     "Capabilities",
     "Component",
     "Connection",
+    "Conserving",
     "Consistent",
     "CosimError",
     "CouplingError",
     "DeclarationError",
+    "EnergyError",
     "ExportError",
     "Extrapolated",
     "Fixed",
@@ -48,6 +53,7 @@ __all__ = [
     "Observer",
     "Point",
     "Record",
+    "Residuals",
     "Richardson",
     "RunInfo",
     "ScenarioError",
