@@ -8,6 +8,8 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from .acceleration import Method
 from .algorithms import Algorithm, GaussSeidel, Jacobi, Order
+from .bonds import Bond
+from .conserving import Conserving, EnergyError
 from .consistent import Consistent
 from .control import PI, Fixed
 from .extrapolation import Extrapolated
@@ -39,9 +41,18 @@ class IteratedSettings(_Table):
     unconverged: Literal["raise", "warn"] = "raise"
 
 
+class BondSettings(_Table):
+    """One of ``run.bonds``: an effort and a flow by the inputs that they drive; see ``Bond``."""
+
+    effort: str
+    flow: str
+    energy: float = Field(1.0, gt=0)  # J that counts as large
+
+
 class ControlSettings(_Table):
     """``run.control``: steps as long as the estimated error allows; see ``PI``.  ``run.step`` is the first one."""
 
+    estimate: Literal["richardson", "energy"] = "richardson"  # energy: what the coupling makes at ``run.bonds``
     tolerance_rel: float = Field(1e-4, ge=0, lt=1)
     tolerance_abs: float = Field(1e-6, gt=0)
     min_step: float = Field(0.0, ge=0)  # s
@@ -58,6 +69,8 @@ class RunSettings(_Table):
     order: Order = ()
     iterated: IteratedSettings = IteratedSettings()
     extrapolate: int = Field(0, ge=0, le=2, strict=True)  # degree of the inputs' polynomials within a step
+    bonds: tuple[BondSettings, ...] = ()  # connections that carry power
+    conserving: bool = Field(False, strict=True)  # what held inputs miss at the bonds is added to the next step
     control: ControlSettings | None = None  # none: every step as long as ``step``
     solve_loops: bool = False  # bring all outputs up to date at every communication point
     trusted: tuple[str, ...] = ()  # who can be read after setting though FMI 2.0 does not promise it
@@ -85,8 +98,13 @@ class RunSettings(_Table):
             chosen = Iterated(chosen, how.method, how.tolerance, how.max_iterations, how.unconverged)
         if self.extrapolate:
             chosen = Extrapolated(chosen, self.extrapolate)
-        if self.control is not None:
-            chosen = Richardson(chosen, 1 + self.extrapolate, outputs=self.control.outputs)
+        bonds = tuple(Bond(b.effort, b.flow, b.energy) for b in self.bonds)
+        if self.conserving:
+            chosen = Conserving(chosen, bonds)
+        if self.control is not None and self.control.estimate == "energy":
+            chosen = EnergyError(chosen, bonds)
+        elif self.control is not None:
+            chosen = Richardson(chosen, self._accuracy, outputs=self.control.outputs)
         return Consistent(chosen, self.trusted) if self.solve_loops else chosen
 
     def pace(self) -> Fixed | PI:
@@ -94,4 +112,9 @@ class RunSettings(_Table):
         if (c := self.control) is None:
             return Fixed()
         longest = c.max_step or float("inf")
-        return PI(c.tolerance_rel, c.tolerance_abs, c.min_step, longest, order=1 + self.extrapolate)
+        return PI(c.tolerance_rel, c.tolerance_abs, c.min_step, longest, order=self._accuracy)
+
+    @property
+    def _accuracy(self) -> int:
+        """The order of the algorithm, which estimates and step control have to know."""
+        return 2 if self.conserving else 1 + self.extrapolate

@@ -8,7 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cosim import PI, Consistent, CouplingError, Extrapolated, Fixed, GaussSeidel, Iterated, Jacobi, Richardson
+from cosim import (
+    PI,
+    Bond,
+    Conserving,
+    Consistent,
+    CouplingError,
+    EnergyError,
+    Extrapolated,
+    Fixed,
+    GaussSeidel,
+    Iterated,
+    Jacobi,
+    Richardson,
+)
 from cosim.scenario import ScenarioFile
 from cosim.settings import RunSettings
 from studies.runner import execute
@@ -38,6 +51,11 @@ CASES: list[tuple[dict[str, Any], Any, Any]] = [
     (
         {"algorithm": "iterated", "extrapolate": 1, "control": {}},
         Richardson(Extrapolated(Iterated(GaussSeidel(ORDER)), 1), order=2),
+        PI(order=2),
+    ),
+    (
+        {"bonds": [{"effort": "a.F", "flow": "b.v"}], "conserving": True, "control": {"estimate": "energy"}},
+        EnergyError(Conserving(GaussSeidel(ORDER), (Bond("a.F", "b.v"),)), (Bond("a.F", "b.v"),)),
         PI(order=2),
     ),
     ({"control": {"max_step": 1e-3}}, Richardson(GaussSeidel(ORDER)), PI(max_step=1e-3)),
