@@ -1,4 +1,4 @@
-"""Event mode under steps of varying length: steps are taken back for their error and for events, and events stay put."""
+"""Event mode under steps of varying length: taken back for errors and for events, and events stay put."""
 
 from __future__ import annotations
 
