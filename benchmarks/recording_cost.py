@@ -33,8 +33,8 @@ from logs.ports import Chunk
 from logs.recorder import RerunRecorder
 from studies.assembly import assemble
 from studies.catalog import find_scenario
+from studies.logged import log_observer
 from studies.runner import connect, execute, instantiate
-from studies.session import log_observer
 
 STEP, STEPS, REPEATS = 5e-5, 50_000, 5
 LONG = 1_000_000

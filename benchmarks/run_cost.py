@@ -22,8 +22,8 @@ from rich.table import Table
 
 from cosim.instance import Instance
 from studies.catalog import find_scenario
+from studies.logged import log_observer
 from studies.runner import execute
-from studies.session import log_observer
 
 STEPS, REPEATS = 4000, 5
 

@@ -17,7 +17,6 @@ from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from cosim.errors import ScenarioError
 
@@ -167,6 +166,8 @@ def best_constant_force(
             f"no constant force up to {bound:g} N brings the robot across from {v_x:g} m/s; start faster"
         )
     around = (trials[max(i - 1, 0)], trials[min(i + 1, len(trials) - 1)])
+    from scipy.optimize import minimize_scalar
+
     return float(minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 0.01}).x)
 
 

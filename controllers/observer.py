@@ -10,15 +10,17 @@ A wheel in the air says nothing about its deformation but that there is none: no
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import casadi as ca
-import control
 import numpy as np
 
 from cosim.errors import DeclarationError
 
 from .state_space import check_poles, force_rows, placed, sampled
+
+if TYPE_CHECKING:
+    import control
 
 _SUBSTEPS = 2  # of Runge-Kutta 4 per period: error (|pole| period / 2)^5 / 120 a half period, 3e-4 at |pole| period = 1
 
@@ -54,6 +56,8 @@ def observer_system(
     Inputs: the held tractions of the model and the measured normal forces Fn_i, in N, as deviations from where b_free
     is balanced; outputs: the estimate of the model's states at the tick.
     """
+    import control
+
     d, n = sampled(model, period), model.noutputs
     keep = np.eye(model.nstates) - L @ force_rows(n, k_w, c_w)
     none = np.zeros((model.nstates, model.ninputs))

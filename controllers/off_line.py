@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from .reference import planned
 
@@ -69,5 +68,7 @@ def off_line_forces(model: AxleModel, law: PlannedLaw, start: np.ndarray, time: 
 
     # Where a wheel leaves the ground or a force meets its limit the rates jump: steps no longer than those of the table
     # keep the error of finding that instant to a step's share of the jump.
+    from scipy.integrate import solve_ivp  # takes a second to import
+
     found = solve_ivp(rate, (0.0, time[-1]), start, t_eval=time, rtol=1e-8, atol=1e-11, max_step=time[-1] / len(time))
     return np.array([law.traction(model, t, x[:2], x[2:], start) for t, x in zip(time, found.y.T, strict=True)])

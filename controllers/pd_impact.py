@@ -10,10 +10,9 @@ Eq 6.8 prints K = -P k_w and 6.9 prints -K z: the two sign errors cancel in F_a,
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
-import control
 import numpy as np
 
 from cosim import parameter, state, structural
@@ -22,6 +21,9 @@ from .allocation import bounded_least_squares
 from .impact import ImpactController, axles, can_act, decided, feedback, force_limit, means, spread
 from .observer import Estimate
 from .reference import Motion, planned
+
+if TYPE_CHECKING:
+    import control
 
 
 class PdImpact(ImpactController):
@@ -102,6 +104,8 @@ def gains_by_stiffness(k_axle: float, P_front: float, damping: float = 1.0) -> t
 
 def error_dynamics(h0: float, h1: float) -> control.StateSpace:
     """Return e'' + h1 e' + h0 e = 0, what the law makes of each deformation error: states e (m), e_rate (m/s)."""
+    import control
+
     return control.StateSpace([[0, 1], [-h0, -h1]], np.zeros((2, 1)), [[1, 0]], 0, states=["e", "e_rate"],
                               inputs=["none"], outputs=["e"], name="error")  # fmt: skip
 

@@ -17,7 +17,6 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq, minimize_scalar
 
 from cosim.errors import DeclarationError
 
@@ -204,6 +203,8 @@ class PitchPlan:
         i = int(np.argmax(squares))
         best = float(squares[i])
         if 0 < i < _GRID.size - 1:
+            from scipy.optimize import minimize_scalar
+
             found = minimize_scalar(
                 lambda t: -float(needed(np.array(t))), bounds=(_GRID[i - 1], _GRID[i + 1]), method="bounded"
             )
@@ -268,6 +269,8 @@ def pitch_for_time(T: float, shortest: Callable[[float], float], most: float = 0
 
     Raises DeclarationError if none is.
     """
+    from scipy.optimize import brentq
+
     low = 1e-6
     if not shortest(low) <= T <= shortest(most):
         raise DeclarationError(f"no pitch up to {most:g} rad has a shortest manoeuvre time of {T:g} s")

@@ -10,13 +10,15 @@ P and U per axle force and k_w of both wheels of an axle; n = 4 with every wheel
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from warnings import catch_warnings, simplefilter
 
-import control
 import numpy as np
 
 from cosim.errors import DeclarationError
+
+if TYPE_CHECKING:
+    import control
 
 AXLES, WHEELS = ("rear", "front"), ("fl", "fr", "rl", "rr")
 RATE_MAX = 1.0  # largest |pole| times period: six samples per 2 pi / |pole|, below which a zero-order hold governs
@@ -32,6 +34,8 @@ def impact_model(P: np.ndarray, U: np.ndarray, k_w: float, c_w: float = 0.0) -> 
     *P*, *U* (n, n) in 1/kg, *k_w* in N/m and *c_w* in N.s/m of one contact: an axle for n = 2, a wheel for n = 4.
     States z_i in m and z_rate_i in m/s, inputs F_i in N, outputs z_i, for i = rear, front or fl, fr, rl, rr.
     """
+    import control  # brings pyplot and half of SciPy, which a run that needs no such design should not wait for
+
     n = len(P)
     names = AXLES if n == 2 else WHEELS
     none, one = np.zeros((n, n)), np.eye(n)
@@ -45,6 +49,8 @@ def impact_model(P: np.ndarray, U: np.ndarray, k_w: float, c_w: float = 0.0) -> 
 
 def sampled(model: control.StateSpace, period: float) -> control.StateSpace:
     """Return the model between the ticks of a controller that holds its forces over *period* seconds, exact."""
+    import control
+
     return control.sample_system(model, period, method="zoh")
 
 
@@ -118,6 +124,8 @@ def pole_gain(model: control.StateSpace, poles: np.ndarray, period: float) -> np
 
 def placed(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray:
     """Return K that gives A - B K these eigenvalues, by `control.place`, checked."""
+    import control
+
     with catch_warnings():
         simplefilter("ignore", UserWarning)  # of a search for the most robust K that ended early: its poles are right
         K = np.asarray(control.place(A, B, poles))
@@ -150,6 +158,8 @@ def lqr_gain(model: control.StateSpace, weights: Weights, period: float) -> np.n
 
     Raises DeclarationError for a model that the forces cannot move.
     """
+    import control
+
     check_controllable(model)
     check_period(model, period)
     n = model.ninputs

@@ -179,10 +179,11 @@ class Component:
     def equations(self) -> Equations:
         """The equations as CasADi functions of flat vectors, built once per class and structural values."""
         from .equations import build
+        from .kept import fingerprint, kept
 
         key = (type(self), *self.structure.values())
         if key not in _built:
-            _built[key] = build(self)
+            _built[key] = kept("equations", fingerprint(self), lambda: build(self))
         return _built[key]
 
     @cached_property

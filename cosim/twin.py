@@ -197,7 +197,7 @@ class PythonInstance(Instance):
 
     def _integrate(self, t: float, stop: float) -> tuple[float, np.ndarray | None]:
         """Integrate to *stop* or just past the first event; return the time and the directions crossed."""
-        from scipy.integrate import DOP853  # takes most of a second, which no process that only steps FMUs should wait
+        from scipy.integrate import DOP853  # takes a second to import, and FMUs bring their own integrator
 
         scale = np.maximum(self.eq.nominal, 1e-300) * self.tolerance
         # Past an event a large step would miss that an indicator goes back and crosses again, as a ball's on a floor.

@@ -14,6 +14,7 @@ import fmpy
 
 from cosim import Component, ExportError
 from cosim.cache import cache_folder
+from cosim.kept import digest, fingerprint, kept
 
 from .codegen import equations_source, model_source
 from .compile import FLAGS, HERE, PLATFORMS, binary_folder, compile_library
@@ -65,8 +66,15 @@ def _generate(component: Component, fmi: int) -> tuple[str, dict[str, str]]:
     """Return the token and every text file of the FMU, by its name in the zip."""
     memo = (type(component), tuple(component.structure.items()), fmi)
     if memo not in _keys:
-        _keys[memo] = _texts(component, fmi)
+        _keys[memo] = kept("texts", _fingerprint(component, fmi), lambda: _texts(component, fmi))
     return _keys[memo]
+
+
+def _fingerprint(component: Component, fmi: int) -> str | None:
+    """Return a hash of all that the texts of a component's FMU depend on; None where that is not known."""
+    known = fingerprint(component)
+    about = (known, fmi, digest(Path(__file__).parent), fmpy.__version__)
+    return known and hashlib.sha256(repr(about).encode()).hexdigest()
 
 
 def _texts(component: Component, fmi: int) -> tuple[str, dict[str, str]]:

@@ -6,11 +6,10 @@ import re
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
-import xarray
 from rerun.chunk import RrdReader
 
 from cosim.errors import ScenarioError, nearest
@@ -18,6 +17,9 @@ from cosim.errors import ScenarioError, nearest
 from .cut import whole
 from .ports import EXACT
 from .style import WHEELS
+
+if TYPE_CHECKING:
+    import xarray
 
 _SCALARS = "Scalars:scalars"
 
@@ -148,6 +150,8 @@ def load(path: Path | str, ports: list[str] | None = None) -> xarray.Dataset:
     Where a port was not logged at a time of others it is not a number.  Raises ScenarioError for a file that is no
     log, or a port it does not have.
     """
+    import xarray  # brings pandas, and takes a second
+
     found = signals(Path(path))
     for port in ports or ():
         if port not in found:

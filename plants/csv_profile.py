@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from cosim.errors import ScenarioError
 
@@ -47,6 +46,8 @@ class CsvProfile(Profile):
         return before, *(self._smooth(x, height) if self.interpolation == "smooth" else _lines(x, height)), behind
 
     def _smooth(self, x: np.ndarray, height: np.ndarray) -> tuple[Piece, ...]:
+        from scipy.interpolate import make_interp_spline
+
         level = [(1, 0.0), (2, 0.0)]
         spline = make_interp_spline(x, height, k=5, bc_type=(level, level))
         slope, second = spline.derivative(1), spline.derivative(2)

@@ -20,7 +20,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from .tables import G, Robot
 
@@ -140,6 +139,7 @@ class Bicycle:
 
         The rears are on the flat and the body level; *omega* gives the pitch rate (rad/s) to assume at each slope.
         """
+        from scipy.optimize import brentq
 
         def load(slope: float) -> float:
             twist = np.array([0.0, 0.0, omega(slope)])

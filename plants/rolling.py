@@ -18,7 +18,6 @@ from itertools import pairwise
 from math import atan, ceil, inf, sin, sqrt
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from cosim.errors import ScenarioError
 
@@ -65,6 +64,8 @@ class Roll:
             return self.start if x <= centre[0] else self.end
         if self.piece.straight:
             return x + self.R * sin(atan(self.piece.at(self.start)[1]))
+        from scipy.optimize import brentq
+
         i = int(np.searchsorted(centre, x))
 
         def off(s: float) -> float:
@@ -182,6 +183,7 @@ def stretches(profile: Profile, R: float) -> list[Stretch]:
 
 def _crossing(before: Run, since: float, after: Run) -> float:
     """Return where *after* rises above *before*; the end of *before*, if it is still the higher one there."""
+    from scipy.optimize import brentq
 
     def lead(x: float) -> float:
         return after.height(x) - before.height(x)
@@ -225,6 +227,8 @@ def _touchable(piece: Piece, R: float) -> list[tuple[float, float]]:
     start, end = max(piece.start, -EDGE), min(piece.end, EDGE)
     if piece.straight:
         return [(start, end)]
+
+    from scipy.optimize import brentq, minimize_scalar
 
     def room(s: np.ndarray) -> np.ndarray:
         _, slope, second = piece.jet(s)

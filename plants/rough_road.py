@@ -12,7 +12,6 @@ from functools import cached_property
 from math import ceil, inf
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from cosim.errors import ScenarioError
 
@@ -66,6 +65,8 @@ class RoughRoad(Profile):
     def pieces(self) -> tuple[Piece, ...]:
         """Level, road, level."""
         x, height = self._samples()
+        from scipy.interpolate import make_interp_spline
+
         level = [(1, 0.0), (2, 0.0)]
         spline = make_interp_spline(x, height, k=5, bc_type=(level, level))
         slope, second = spline.derivative(1), spline.derivative(2)

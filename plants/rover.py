@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares, root
 
 from cosim import Component, CouplingError, Variable
 from cosim.instance import Instance
+from cosim.kept import fingerprint, kept
 
 from .chassis_modal import static_deflection
 
@@ -93,6 +94,8 @@ def stand(body: Component, wheels: Component, stance: Stance) -> dict[str, np.nd
     ``normal_force`` (4,) in N.  On a slope only the vertical force and two moments vanish: nothing brakes the robot.
     Raises CouplingError if no equilibrium is found, for instance with a wheel over a gap.
     """
+    from scipy.optimize import least_squares, root  # takes half a second to import
+
     k = wheels.values["k_w"] if "k_w" in wheels.values else np.full(4, _RIGID)
     m, h, R, g = (float(body.values[n]) for n in ("m", "h", "R", "g"))
     instance = body.instance("body")
@@ -149,6 +152,12 @@ def _polish(residual: Any, x: np.ndarray, sag: float) -> np.ndarray:
 
 def start_values(components: dict[str, Component], stance: Stance) -> dict[str, np.ndarray]:
     """Return every start value of a standing or rolling rover as ``slot.state``, static chassis modes included."""
+    known = [fingerprint(component, values=True) for component in components.values()]
+    key = None if None in known else sha256(repr((list(components), known, stance)).encode()).hexdigest()
+    return kept("starts", key, lambda: _start_values(components, stance))
+
+
+def _start_values(components: dict[str, Component], stance: Stance) -> dict[str, np.ndarray]:
     body, wheels = components["body"], components["wheels"]
     found = stand(body, wheels, stance)
     forces = found.pop("normal_force")

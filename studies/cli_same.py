@@ -5,15 +5,18 @@ from __future__ import annotations
 import fnmatch
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 from rich.table import Table
 
 from cosim.errors import ScenarioError
-from logs.difference import Difference, differences
 
 from .terminal import out, plain, print_json, progress
 from .verdicts import number
+
+if TYPE_CHECKING:
+    from logs.difference import Difference
 
 _ONLY = {
     "one": "only in the first", "other": "only in the second", "shape": "of another shape", "times": "at other times",
@@ -25,6 +28,8 @@ def show_diff(log: Path, other: Path, patterns: list[str], json: bool) -> None:
 
     Raises ScenarioError if no signal is like the patterns.
     """
+    from logs.difference import differences  # Rerun takes a while to import
+
     with progress(json) as bar:
         bar(f"comparing {log} and {other}")
         found = differences(log, other)

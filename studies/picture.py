@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from logs.panels import DECISIVE, PANELS, Panel
 from logs.style import colour
@@ -29,6 +28,8 @@ def drawable(results: list[Result]) -> bool:
 
 def draw(results: list[Result], path: Path) -> Path:
     """Draw all panels that any of the runs has signals for, the decisive ones first; returns the path of the PNG."""
+    from matplotlib.figure import Figure  # for those who compare
+
     shown = [p for p in PANELS if any(p.read(r.signal) is not None for r in results)]
     rows = max(1, -(-len(shown) // 2))
     figure = Figure(figsize=(14, 2.3 * rows + 0.8), layout="constrained")  # pyplot would choose who shows it

@@ -2,38 +2,31 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
 from functools import partial
-from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cosim.errors import CosimError, ScenarioError
 from cosim.instance import Instance
 from cosim.observer import Block, Observer, Point, RunInfo, Summary
 from cosim.record import Record
 from cosim.scenario import Scenario
-from logs.blueprint import run_blueprint
-from logs.compare import baseline_first, combine
-from logs.ports import chosen
-from logs.recorder import RerunRecorder
 
-from . import inputs
 from .assembly import Assembly
 from .catalog import find_scenario
 from .conclusion import conclusion, heading, mixed
-from .drawn import camera, drawn, gap_mismatch
-from .metrics import as_mapping, markdown, table
-from .origin import origin
+from .metrics import markdown, table
 from .parallel import together
 from .picture import draw, drawable
 from .places import run_folder
-from .runner import Result, execute, judge, provenance
+from .runner import Result, execute
 from .terminal import SILENT, Bar, progress
+
+if TYPE_CHECKING:
+    from logs.recorder import RerunRecorder
 
 Observers = Callable[[Assembly, dict[str, Instance], Record], list[Observer]]
 
@@ -95,13 +88,18 @@ def run_one(
     folder = run_folder(out) if log else None
 
     def watching(assembly: Assembly, instances: dict[str, Instance], record: Record) -> list[Observer]:
-        from logs.live import LiveRecorder, Pacer
+        found: list[Observer] = []
+        if viewer or pace is not None:
+            from logs.live import LiveRecorder, Pacer
 
-        shown = partial(LiveRecorder, url=viewer)
-        return [
-            *([log_observer(assembly, Path(assembly.scenario.name), instances, record, shown)] if viewer else []),
-            *([Pacer(pace)] if pace is not None else []),
-        ]
+            from .logged import log_observer
+
+            if viewer:
+                shown = partial(LiveRecorder, url=viewer)
+                found.append(log_observer(assembly, Path(assembly.scenario.name), instances, record, shown))
+            if pace is not None:
+                found.append(Pacer(pace))
+        return found
 
     with progress(quiet) as bar:
         return run_scenario(scenario, folder, bar, watching)
@@ -126,6 +124,8 @@ def compare(
     once, as many as there are processors if it is None.  Variants that fail before their first step are told in
     ``failed``; raises the first's CosimError if all do.
     """
+    from logs.compare import baseline_first
+
     file = find_scenario(name)
     names = tuple(dict.fromkeys(variants or file.variants))
     if not names:
@@ -150,6 +150,10 @@ def put_together(runs: list[Done], folder: Path, stem: str, report: Path | None,
     combined, picture = None, None
     logs = {r.result.scenario.variant: r.log for r in kept if r.log is not None}
     if len(logs) > 1:
+        from logs.compare import combine
+
+        from .drawn import camera
+
         bar("combining the logs")
         combined = folder / f"{stem.replace('/', '-')}-all.rrd"
         title = heading([r.scenario for r in results])
@@ -206,55 +210,13 @@ def run_scenario(scenario: Scenario, folder: Path | None, bar: Bar = SILENT, mor
 
     def observers(assembly: Assembly, instances: dict[str, Instance], record: Record) -> list[Observer]:
         if path is not None:
+            from .logged import log_observer  # Rerun takes a second to import
+
             loggers.append(log_observer(assembly, path, instances, record))
         return [_Watcher(bar, label), *loggers, *more(assembly, instances, record)]
 
     result = execute(scenario, observers, lambda text: bar(f"{label}: {text}"))
     return Done(result, loggers[0].file if loggers else None)
-
-
-def log_observer(
-    assembly: Assembly,
-    path: Path,
-    instances: dict[str, Instance],
-    record: Record,
-    recorder: Callable[..., RerunRecorder] = RerunRecorder,
-) -> RerunRecorder:
-    """Return the *recorder* that logs a run of *assembly* to *path*, with scene, blueprint, properties and verdict."""
-    scenario = assembly.scenario
-    config = json.dumps(scenario.model_dump(mode="json"), sort_keys=True)
-    stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%S.%f")[:-3]
-    label = f"{scenario.name} {scenario.variant}".strip()
-
-    def closing() -> tuple[dict[str, dict[str, Any]], str]:
-        rows = judge(assembly, record)
-        report = markdown(scenario, table({scenario.variant or "value": rows})) if rows else ""
-        units = {"metric": [m.key for m in rows], "unit": [m.unit for m in rows]}
-        return {"metrics": as_mapping(rows), "metric_units": units}, report
-
-    drawings, look = drawn(assembly, instances, record)
-    properties: dict[str, dict[str, Any]] = {
-        "look": look.table(),
-        "run": {
-            "scenario": scenario.name, "variant": scenario.variant, "title": scenario.title, "claim": scenario.claim,
-            "step_s": scenario.run.step, "duration_s": scenario.run.duration, "algorithm": scenario.run.algorithm,
-            "config_json": config, "config_hash": sha256(config.encode()).hexdigest()[:16],
-            "command": " ".join(["wmr-cosim", *sys.argv[1:]]), "started_utc": stamp,
-        },
-        "provenance": {**provenance(instances), "sources": inputs.sources()},
-        "files": inputs.files(scenario), **origin(scenario, instances),
-    }  # fmt: skip
-    return recorder(
-        path,
-        f"{stamp}-{scenario.name}-{scenario.variant or 'run'}-{properties['run']['config_hash'][:8]}",
-        name=label,
-        properties=properties,
-        blueprint=run_blueprint(chosen(instances, scenario.run.signals), look),
-        scene=drawings,
-        health=gap_mismatch(instances),
-        closing=closing,
-        signals=scenario.run.signals,
-    )
 
 
 def _stem(scenario: Scenario, variant: str) -> str:

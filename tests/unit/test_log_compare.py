@@ -21,8 +21,8 @@ from logs.read import properties, signals
 from logs.recorder import RerunRecorder
 from logs.style import colour
 from studies.catalog import find_scenario
+from studies.logged import log_observer
 from studies.runner import execute
-from studies.session import log_observer
 
 MS = 1_000_000
 

@@ -16,11 +16,11 @@ from logs.inspect import describe
 from logs.read import others, properties, signals, texts
 from logs.recorder import RerunRecorder
 from studies.catalog import find_scenario
+from studies.logged import log_observer
 from studies.metrics import as_mapping
 from studies.origin import checkout, host
 from studies.places import source_checkout
 from studies.runner import Result, execute
-from studies.session import log_observer
 
 MS = 1_000_000
 
