@@ -64,8 +64,8 @@ def _rebounds(where: str, axle: str) -> Claim:
     return Claim(
         where,
         "uncontrolled, the reaction force drops to zero several times: contact is lost",
-        f"{axle} axle off the ground for {off:.0f} of 300 ms in {often:.0f} rebounds, {value(RUBBER, f'{axle}_off'):.0f} "
-        f"ms in {value(RUBBER, f'{axle}_rebounds'):.0f} with rubber of ζ = 0.05",
+        f"{axle} axle off the ground for {off:.0f} of 300 ms in {often:.0f} rebounds; with rubber of ζ = 0.05 "
+        f"{value(RUBBER, f'{axle}_off'):.0f} ms in {value(RUBBER, f'{axle}_rebounds'):.0f}",
         graded(often >= 2, off > 0),
         {"off": off, "rebounds": often, "off, rubber": value(RUBBER, f"{axle}_off")},
         assumption=ASSUMED,
@@ -87,12 +87,13 @@ def _off_line(where: str, axle: str) -> Claim:
 
 def _unlimited(where: str, axle: str) -> Claim:
     off, seen_off, bent = (value(v, f"{axle}_off") for v in (CLOSED, OBSERVED, FLEXIBLE))
+    needed = [value(v, "friction_needed") for v in (CLOSED, OBSERVED)]
     return Claim(
         where,
         "the proposed control is able to maintain the contact immediately after the collision",
         f"fed back, and with traction that no friction limits, it is: off for {off:.0f} ms with PD to the static "
-        f"deflection, {seen_off:.0f} ms with placed poles on an observer, at {value(CLOSED, 'friction_needed'):.0f} and "
-        f"{value(OBSERVED, 'friction_needed'):.0f} times the normal force; on a chassis that bends {bent:.0f} ms with PD",
+        f"deflection, {seen_off:.0f} ms with placed poles on an observer, at {needed[0]:.0f} and {needed[1]:.0f} times "
+        f"the normal force; on a chassis that bends {bent:.0f} ms with PD",
         graded(off == seen_off == bent == 0, off == 0),
         {"pd": off, "observer": seen_off, "flexible": bent},
         assumption="a rigid chassis, as the beams of Table 6.2",
@@ -117,9 +118,9 @@ def _real(where: str, axle: str) -> Claim:
     peaks = value(FREE, "front_normal_peak"), value(PD, "front_normal_peak")
     return Claim(
         where,
-        "the same on a wheel that a robot could have (2e5 N/m per axle, ζ = 0.3), chassis of 25 modes, within friction",
-        f"{axle} axle without force for {free:.0f} ms uncontrolled and {held:.0f} ms with PD; front peak {peaks[0]:.0f} "
-        f"and {peaks[1]:.0f} N",
+        "the same on a wheel that a robot could have (2e5 N/m per axle, ζ = 0.3, chassis of 25 modes), within friction",
+        f"{axle} axle without force for {free:.0f} ms uncontrolled and {held:.0f} ms with PD; front peak "
+        f"{peaks[0]:.0f} and {peaks[1]:.0f} N",
         graded(held == 0 and peaks[1] < peaks[0], peaks[1] < peaks[0]),
         {"uncontrolled": free, "pd": held, "peak": peaks[0], "peak, pd": peaks[1]},
     )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from . import full_impact as impact
+from . import full_jerk as jerk
+from . import full_shock as shock
 from .entry import Entry
 
 ENTRIES: tuple[Entry, ...] = (
@@ -14,4 +16,9 @@ ENTRIES: tuple[Entry, ...] = (
           impact.paper_front_claims, ("full-order-ramp", "playback")),
     Entry("wheel impact paper 10", "Reaction of the rear wheels, full-order robot", impact.paper_rear_figure,
           impact.paper_rear_claims, ("full-order-ramp", "playback")),
+    Entry("DYMAC paper 5", "Normal jerk at three tractions, full-order robot", jerk.dymac_figure, jerk.dymac_claims,
+          ("full-order-jerk", "dymac-ideal")),
+    Entry("ASME paper 6", "Longitudinal jerk at three tractions, full-order robot", jerk.asme_figure, jerk.asme_claims,
+          ("full-order-jerk", "asme-ideal")),
+    Entry("shock paper 5-full", "Station 1 under three pulses, full-order robot", shock.figure, shock.claims),
 )  # fmt: skip
