@@ -64,7 +64,7 @@ class NumpyRover:
         arms = self.corners + np.outer(p["wheel_shape"] @ bend, UP)
         hub_v = s["v"] + (np.cross(omega, arms) + np.outer(p["wheel_shape"] @ s["modal_rate"], UP)) @ R.T
         d, f, f_c = self._ring(R, omega, r + arms @ R.T, hub_v, s["spin"], angle, x, s["v_ring"])
-        normal, tangential, z, sums = self._ground(x, s["v_ring"], s["z"], dt)
+        normal, tangential, z, sums = self.on_nodes(x, s["v_ring"], s["z"], dt)
         hub, moment = -f.sum(axis=1), -np.cross(d, f).sum(axis=1)
         risen = np.clip(t + h, 0, p["gravity_time"]) / p["gravity_time"] if p["gravity_time"] else 1.0
         down = -UP * p["g"] * (1 - np.cos(np.pi * risen)) / 2
@@ -117,8 +117,8 @@ class NumpyRover:
         here = tension - by_back + by_on
         return here + np.roll(by_back, -1, axis=1) + np.roll(-tension - by_on, 1, axis=1)
 
-    def _ground(self, x: np.ndarray, v: np.ndarray, z: np.ndarray, dt: float) -> tuple:
-        """Return normal and tangential forces on the nodes, the bristles at the end, and sums per wheel."""
+    def on_nodes(self, x: np.ndarray, v: np.ndarray, z: np.ndarray, dt: float) -> tuple:
+        """Return normal forces and friction (4, N, 3) on the nodes, the bristles at the end, and sums per wheel."""
         p = self.p
         four = [np.stack([np.roll(a, -i, axis=1) for i in (-1, 0, 1, 2)], 2) for a in (x, v)]
         at, rate = (np.einsum("mi,wnij->wnmj", self.weights, a).reshape(4, self.P, 3) for a in four)
@@ -138,9 +138,9 @@ class NumpyRover:
         f = -self.cell * p["k_bristle"] * new
         friction = f[..., :1] * along + f[..., 1:] * AXLE
         sums = np.stack([F.sum(axis=1), f[..., 0].sum(axis=1), f[..., 1].sum(axis=1)], 1)
-        return self._on_nodes(F[..., None] * normal), self._on_nodes(friction), new, sums
+        return self._shared(F[..., None] * normal), self._shared(friction), new, sums
 
-    def _on_nodes(self, force: np.ndarray) -> np.ndarray:
+    def _shared(self, force: np.ndarray) -> np.ndarray:
         """Return forces (4, P, 3) on the points as forces (4, N, 3) on the nodes."""
         by = np.einsum("mi,wnmj->wnij", self.weights, force.reshape(4, self.N, -1, 3))
         total: np.ndarray = sum(np.roll(by[:, :, j], i, axis=1) for j, i in enumerate((-1, 0, 1, 2)))

@@ -17,6 +17,7 @@ from cosim import DeclarationError, parameter, state, structural, table
 
 from .contact import COLUMNS as PATH_COLUMNS
 from .full_order_accounts import energies, momenta
+from .full_order_outputs import rings_seen
 from .full_order_ports import NAMES, FullOrderPorts, packed, seen
 from .full_order_step import frames, micro_step, rotation, turning
 from .rigid_body import LEVEL, wheel_centres
@@ -42,6 +43,7 @@ class FullOrderRover(FullOrderPorts):
     nodes = structural(32, "nodes of each ring")
     points = structural(128, "points of each ring that meet the ground, a multiple of the nodes")
     modes = structural(1, "number of elastic modes of the chassis")
+    seen = structural(0, "nodes of each ring whose places and forces are outputs: none or all of them")
 
     m = parameter(170.0, "kg", "mass of the body, rims included")
     inertia = parameter([20.0, 47.0, 55.0], "kg.m2", "principal moments of inertia: roll, pitch, yaw")
@@ -121,6 +123,11 @@ class FullOrderRover(FullOrderPorts):
                 f"FullOrderRover has {nodes} nodes and {points} points on each ring; give at least 8 nodes, and a "
                 "multiple of the nodes as points"
             )
+        if self.structure["seen"] not in (0, nodes):
+            raise DeclarationError(
+                f"FullOrderRover.seen is {self.structure['seen']}, but of {nodes} nodes none or all are outputs; give 0 or "
+                f"{nodes}"
+            )
         limit = stable_step(self)
         if self.micro_step > limit:
             raise DeclarationError(
@@ -167,7 +174,7 @@ class FullOrderRover(FullOrderPorts):
             "axle_force": axle, "wheel_force": axle[:, 2],
             "contact": s.pressing > 0, "wheel_centre": frame[9:12, :].T, "stable_step": _stable(s),
             **found, "deformation": found["gap"], "deformation_rate": found["gap_rate"],
-            **energies(s, omega, frame), **momenta(s),
+            **energies(s, omega, frame), **momenta(s), **rings_seen(s, frame),
         }  # fmt: skip
 
 

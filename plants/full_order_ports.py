@@ -65,6 +65,10 @@ class FullOrderPorts(Component):
     U = output("1/kg", "gap acceleration of each wheel per traction of each, rigid body", shape=(4, 4))
     b_free = output("m/s2", "gap acceleration without normal force and traction, rigid body", shape=4)
 
+    ring_nodes = output("m", "nodes of the rings, world: x, y, z of each wheel's in turn", shape=("seen", 12))
+    ring_normal = output("N", "normal force of the ground on each, world", shape=("seen", 12))
+    ring_friction = output("N", "friction of the ground on each, world", shape=("seen", 12))
+
     kinetic_energy = output("J", "kinetic energy of body, rims, rings and modes")
     elastic_energy = output("J", "energy stored in rings and modes")
     contact_energy = output("J", "energy stored in contacts and bristles")

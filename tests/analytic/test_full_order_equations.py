@@ -25,7 +25,7 @@ def test_numpy_and_the_fmu_agree_over_a_step(monkeypatch: pytest.MonkeyPatch) ->
     other = import_module("full_order_numpy")
     ground = ground_table(Step(0.72, 0.03))
     rover = FullOrderRover(
-        nodes=8, points=16, EA=600.0, wheel_shape=[[0.05], [-0.03], [0.04], [0.02]], damping=[0.02],
+        nodes=8, points=16, seen=8, EA=600.0, wheel_shape=[[0.05], [-0.03], [0.04], [0.02]], damping=[0.02],
         micro_step=MICRO, gravity_time=0.05, ground_left=ground, ground_right=ground,
     )  # fmt: skip
     starts = rolling(rover, 0.0, 0.5, SPEED)
@@ -43,7 +43,11 @@ def test_numpy_and_the_fmu_agree_over_a_step(monkeypatch: pytest.MonkeyPatch) ->
             model.step((n + i / 10) * 1e-3, MICRO, TORQUE)
         peak = max(peak, float(np.max(fmu.get("normal_force_end"))))
     assert peak > 1000  # the step was met
-    for name, value in other.wheels_apart(model.state).items():
+    places, speeds, bristles = (model.state[name] for name in ("x", "v_ring", "z"))
+    normal, friction, *_ = model.on_nodes(places, speeds, bristles, 0.0)  # the present
+    seen = {name: np.hstack(list(v)) for name, v in (
+        ("ring_nodes", places), ("ring_normal", normal), ("ring_friction", friction))}  # fmt: skip
+    for name, value in (other.wheels_apart(model.state) | seen).items():
         theirs = fmu.get(name)
         # 600 micro steps, each with a rounding of some 10 operations on numbers as large as these; a stiff contact and
         # friction amplify it: by some hundred, as neighbouring starts do (Lyapunov exponents of some 100 1/s)

@@ -63,7 +63,7 @@ CLIMBING = {
 MODES = 5
 
 # Rings that stretch easily: the third derivative of their energy, 3 EA / l^2, is what difference quotients miss.
-FULL_ORDER = FullOrderRover(nodes=8, points=16, EA=600.0)
+FULL_ORDER = FullOrderRover(nodes=8, points=16, seen=8, EA=600.0)
 
 COMPONENTS = [
     Specimen(Mass(k=80.0)),
