@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,8 +14,6 @@ from .terminal import complain, listing, out, plain, print_json, progress
 
 if TYPE_CHECKING:
     from .figures.build import Outcome
-
-ERRATA: Sequence[Sequence[str]] = ()  # rows of equation, printed, right, how that was shown
 
 
 def figures(
@@ -57,10 +54,11 @@ def figures(
 
 
 def _say(outcomes: list[Outcome], folder: Path | None, *, json: bool) -> None:
+    from .errata.pages import register_html
     from .figures.page import write_page
     from .figures.summary import sentence
 
-    page = write_page(outcomes, folder, ERRATA) if folder else None
+    page = write_page(outcomes, folder, register_html()) if folder else None
     if json:
         print_json({"page": str(page or ""), "figures": {o.key: asdict(o) for o in outcomes}})
         return

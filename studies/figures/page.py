@@ -18,11 +18,10 @@ from .parts import PARTS
 PAGE = "index.html"
 
 
-def write_page(outcomes: Sequence[Outcome], folder: Path, errata: Sequence[Sequence[str]] = ()) -> Path:
+def write_page(outcomes: Sequence[Outcome], folder: Path, errata: str = "") -> Path:
     """Write the page on *outcomes* and return its path.
 
-    *errata* are rows of four texts: equation, printed, right, how that was shown.  Raises ScenarioError if the file
-    cannot be written.
+    *errata* is the section on the errors in print, as HTML.  Raises ScenarioError if the file cannot be written.
     """
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string(files("studies.figures").joinpath("page.html.j2").read_text(encoding="utf-8"))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cosim.errors import ScenarioError, nearest
 
-from . import dimensions, impact, jerk, manoeuvre, parameters, rigid, shock, traction, wheels
+from . import dimensions, fullorder, impact, jerk, manoeuvre, parameters, rigid, shock, traction, wheels
 from .entry import Entry
 from .parts import PARTS
 
@@ -21,6 +21,7 @@ ENTRIES: tuple[Entry, ...] = (
     *impact.ENTRIES,
     *jerk.ENTRIES,
     *shock.ENTRIES,
+    *fullorder.ENTRIES,
 )
 
 

@@ -102,8 +102,8 @@ def test_driven_wheels_accelerate_as_in_mujoco() -> None:
     there = model.run(0.3)
     gained = [rows[-1, 1] - SPEED * rows[-1, 0] for rows in (here, there)]
     depth = ROBOT.h + ROBOT.R - float(starts["r"][2])
-    # a pressed wheel rolls on a radius between R - depth and R: by that share the force of a torque differs, and the spin
-    # of a wheel that rolls, which a run starts without
+    # a pressed wheel rolls on a radius between R - depth and R: by that share the force of a torque differs, and the
+    # spin of a wheel that rolls, which a run starts without
     wheels = 4 * (mj.J_RIM / ROBOT.R**2 + mj.RING) / (ROBOT.m + 4 * (mj.J_RIM / ROBOT.R**2 + 2 * mj.RING))
     assert gained[0] == pytest.approx(gained[1], abs=depth / ROBOT.R * (gained[1] + wheels * SPEED * 0.3))
 

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 from cosim.errors import ScenarioError
+from studies.errata import find
+from studies.errata.pages import register_html
 from studies.figures import register
 from studies.figures.build import Outcome, _elsewhere, build
 from studies.figures.claim import CONTRADICTED, REPRODUCED, Claim
@@ -83,7 +85,7 @@ def test_every_figure_that_is_asked_for_is_there() -> None:
 
 
 def test_the_page_is_complete(outcomes: list[Outcome], folder: Path) -> None:
-    page = write_page(outcomes, folder, [("4.44", "P12 printed", "P12 right", "symbolically")])
+    page = write_page(outcomes, folder, register_html(find("4.44 P_12")))
     links = parsed(page)
     assert all((folder / name).stat().st_size > 0 for name in links.files)
     assert set(links.jumps) <= set(links.ids)
@@ -94,7 +96,8 @@ def test_the_page_is_complete(outcomes: list[Outcome], folder: Path) -> None:
         assert all(c.found in links.text and c.text in links.text for c in o.claims)
     assert "rigid-ramp-plastic.rrd" in links.files
     assert sentence(outcomes) in links.text
-    assert "P12 right" in links.text
+    assert "errata" in links.ids
+    assert "4.44 P_12" in links.text
     assert {p.stem for p in folder.glob("*.png")} == {o.stem for o in outcomes}
 
 
@@ -157,7 +160,7 @@ def test_a_process_that_dies_loses_no_other() -> None:
     assert "terminated abruptly" in str(found["dies"])
 
 
-@pytest.mark.parametrize(("key", "count"), [("chapter 5", 5), ("thesis 5", 4), ("Thesis 5.4", 1), ("shock paper", 4)])
+@pytest.mark.parametrize(("key", "count"), [("chapter 5", 5), ("thesis 5", 4), ("Thesis 5.4", 1), ("shock paper", 5)])
 def test_keys(key: str, count: int) -> None:
     assert len(register.chosen([key])) == count
 
