@@ -36,7 +36,7 @@ def errata(
 
     Example: wmr-cosim errata 4.54 --check
     """
-    from .errata import REGISTER, find, of_chapter
+    from .errata import CONFIRMED, REGISTER, RIGHT, find, of_chapter
 
     if equation and chapter:
         raise ScenarioError("errata shows one equation or one chapter: leave out --chapter or the equation")
@@ -54,6 +54,9 @@ def errata(
             _in_full(entry, shown.get(entry.key))
     else:
         _table(entries, shown)
+    if check and not (equation or chapter or json):
+        right = [found.gap() < RIGHT for found in CONFIRMED]
+        out().print(f"{sum(right)} of {len(right)} equations printed right are found right")
     refuted = [key for key, found in shown.items() if not found["confirmed"]]
     if refuted:
         note(f"not confirmed: {', '.join(refuted)}")

@@ -20,7 +20,7 @@ from . import (
     chapter8,
     papers,
 )
-from .confirmed import CONFIRMED, Confirmed
+from .confirmed import CONFIRMED, RIGHT, Confirmed
 from .erratum import Erratum, Gap, Tex
 from .references import REFERENCES, Reference
 
@@ -55,6 +55,6 @@ def find(equation: str) -> list[Erratum]:
 
 
 __all__ = [
-    "CHAPTERS", "CONFIRMED", "REFERENCES", "REGISTER", "Confirmed", "Erratum", "Gap", "Reference", "Tex", "find",
-    "of_chapter",
+    "CHAPTERS", "CONFIRMED", "REFERENCES", "REGISTER", "RIGHT", "Confirmed", "Erratum", "Gap", "Reference", "Tex",
+    "find", "of_chapter",
 ]  # fmt: skip

@@ -151,7 +151,7 @@ ENTRIES = (
         shown="with one wheel on the ground and one lifting off the printed product, a matrix, is not zero; nor can a "
         "matrix be minimised",
         consequence="none: what was solved must have been the scalar product",
-        derive=lifted_wheel, also=("4.34", "4.33b"), new=True,
+        derive=lifted_wheel, also=("4.34", "4.33b"),
     ),
     Erratum(
         equation="4.35", chapter="4", where="4.2.5", kind=INCOMPLETE, left="",

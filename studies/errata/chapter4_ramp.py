@@ -161,7 +161,7 @@ ENTRIES = (
         consequence="Fig 4.4: the front wheels lift from 0.757 rad on at 2 m/s; the printed 0.98 rad comes out for 2 "
         "rad/s "
         "at all slopes",
-        derive=against(rolling_rate), also=("4.54",), new=True,
+        derive=against(rolling_rate), also=("4.54",),
     ),
     Erratum(
         equation="4.51 a_cy", chapter="4", where="4.5", kind=MISPRINT, left="a_cy",
@@ -182,14 +182,14 @@ ENTRIES = (
         "changes by omega more, even on a straight ramp",
         consequence="at 2 m/s on 0.2 rad the wheel is 8 percent faster than the centre of mass; with the missing omega "
         "it moves the zero-jerk force of Fig 4.7",
-        derive=against(slope_rate), also=("ASME paper 8", "TIMR paper 7"), new=True,
+        derive=against(slope_rate), also=("ASME paper 8", "TIMR paper 7"),
     ),
     Erratum(
         equation="4.54 curvature", chapter="4", where="4.5, text", kind=WRONG, left="kappa",
         printed="gamma_x", right="gamma_x*cos(gamma)",
         shown="the curvature of z = f(x); the derivative by x is that of the angle, not by the length of the path",
         consequence="2 percent at 0.2 rad; what rolls has the curvature of the wheel-centre path anyway",
-        derive=against(bend_of_profile), also=("ASME paper, text after 8", "TIMR paper, text after 7"), new=True,
+        derive=against(bend_of_profile), also=("ASME paper, text after 8", "TIMR paper, text after 7"),
     ),
     Erratum(
         equation="4.54", chapter="4", where="4.5", kind=INCOMPLETE, left="J_cz",
@@ -208,7 +208,7 @@ ENTRIES = (
         right="sqrt((a_x_d + omega*a_z)**2 + (a_z_d - omega*a_x)**2)",
         shown="the third derivative of a position; second derivatives of v_x and v_z in turning axes do not add up to "
         "the length of any vector",
-        consequence="none, it is not used", derive=with_values(magnitude), new=True,
+        consequence="none, it is not used", derive=with_values(magnitude),
     ),
     Erratum(
         equation="4.56", chapter="4", where="4.6", kind=WRONG, left="gamma",

@@ -155,7 +155,7 @@ ENTRIES = (
         shown="a mass that rebounds from spring and damper: when it leaves, the damper alone would hold it back",
         consequence="the linear models of this chapter let a wheel be pulled by the ground; with F_n >= 0 an "
         "uncontrolled wheel rebounds and the law must be switched off in the air",
-        derive=rebound, new=True,
+        derive=rebound,
     ),
     Erratum(
         equation="6.6", chapter="6", where="6.2", kind=WRONG, left="z",
@@ -191,7 +191,7 @@ ENTRIES = (
         "rear",
         shown="the deformation under the weight on 0.3 rad; the printed one needs 112 and 56 kN on a robot of 1.7 kN",
         consequence="tractions of 629 and -471 kN for as long as it lasts, and no disengaging",
-        derive=rest_on_the_ramp, also=("impact paper, d",), new=True,
+        derive=rest_on_the_ramp, also=("impact paper, d",),
     ),
     Erratum(
         equation="6.11 critical", chapter="6", where="6.3, text", kind=WRONG, left="h_1",
@@ -205,13 +205,13 @@ ENTRIES = (
         printed="F_a = U^-1 (v - b_g)", right="F_a = U^-1 (v - b_g) with both axles pressed, and on different slopes",
         shown="det U vanishes where both axles are on one plane: their tractions move the contacts alike",
         consequence="the law must be off before the ramp, on it, and whenever a wheel is in the air",
-        derive=on_the_flat, also=("impact paper 12",), new=True,
+        derive=on_the_flat, also=("impact paper 12",),
     ),
     Erratum(
         equation="6.14 soft", chapter="6", where="6.3, Fig 6.9", kind=MISPRINT, left="",
         printed="the soft wheel has 4.1E6 N/m", right="the soft wheel has 4.2E6 N/m",
         shown="75 percent of 5.6E6 N/m, as the text says",
-        consequence="2 percent of the traction", derive=softer, new=True,
+        consequence="2 percent of the traction", derive=softer,
     ),
     Erratum(
         equation="6.15", chapter="6", where="6.4", kind=WRONG, left="z_dd",
@@ -232,7 +232,7 @@ ENTRIES = (
         equation="6.17", chapter="6", where="6.5", kind=MISPRINT, left="p",
         printed="total(C_i*t_n**i, i)", right="total(C_i*t**i, i)",
         shown="the C_i of 6.19 carry T^-i: they belong to real time, those of chapter 5 to t/T",
-        consequence="none in the figures", derive=with_values(planned_deformation), also=("impact paper 13",), new=True,
+        consequence="none in the figures", derive=with_values(planned_deformation), also=("impact paper 13",),
     ),
     Erratum(
         equation="6.19 C_7", chapter="6", where="6.5", kind=WRONG, left="C_7",
@@ -246,6 +246,6 @@ ENTRIES = (
         printed="5*(-4*v_0*T + 7*d)/T**4", right="5*(-4*v_0*T + 7*(d - d_0))/T**4",
         shown="the conditions with p(0) = d_0, which the text gives the rear wheels; all C_i need d - d_0, C_0 = d_0",
         consequence="the rear wheels' reference jumps by their static deflection",
-        derive=against(lambda: path(sp.Symbol("d_0"))[4]), also=("impact paper, after 17",), new=True,
+        derive=against(lambda: path(sp.Symbol("d_0"))[4]), also=("impact paper, after 17",),
     ),
 )  # fmt: skip

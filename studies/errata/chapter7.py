@@ -169,7 +169,7 @@ ENTRIES = (
         equation="7.15 limits", chapter="7", where="7.4", kind=MISPRINT, left="H",
         printed="integral(h*exp(-j*W*t), t, -inf, inf)", right="integral(h*exp(-j*W*t), t, 0, inf)",
         shown="the impulse response 7.14 is zero before the impulse; what is printed for it grows without bound there",
-        consequence="none", derive=transform_of_impulse, new=True,
+        consequence="none", derive=transform_of_impulse,
     ),
     Erratum(
         equation="7.15", chapter="7", where="7.4", kind=WRONG, left="H",

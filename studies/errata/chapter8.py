@@ -98,7 +98,7 @@ ENTRIES = (
         "axis unless roll and pitch inertia are "
         "equal, so "
         "it turns about the diagonal as well",
-        consequence="8.5", derive=with_values(oblique_impact), new=True,
+        consequence="8.5", derive=with_values(oblique_impact),
     ),
     Erratum(
         equation="8.7", chapter="8", where="8.5", kind=MISPRINT, left="gamma_i",

@@ -60,7 +60,6 @@ class Erratum:
     derive: Callable[[Erratum], Gap]
     source: str = "thesis"
     also: tuple[str, ...] = ()
-    new: bool = False  # not in the list of errors that this register started from
 
     @property
     def key(self) -> str:

@@ -115,7 +115,6 @@ ENTRIES = (
         consequence="the force without jerk: 157 N by the printed one (160 N in Fig 3), and it is that of a_cz and the "
         "pitch, not of a_cx as is claimed", derive=with_values(rate_of_a_cz), also=("ASME paper 5, 7", "TIMR paper "
         "5, 6"),
-        new=True,
     ),
     Erratum(
         equation="5 x", chapter="papers", source=SHOCK, where="2", kind=WRONG, left="x",
@@ -123,14 +122,13 @@ ENTRIES = (
         shown="the integral for a force sin(p t): it starts from rest, so it holds a transient too, where the text "
         "calls it "
         "the steady-state response. (Printed with f(t) for f(tau).)",
-        consequence="half of the response to a shock is left out", derive=with_values(from_rest), new=True,
+        consequence="half of the response to a shock is left out", derive=with_values(from_rest),
     ),
     Erratum(
         equation="8 f_k", chapter="papers", source=SHOCK, where="2", kind=WRONG, left="f_k",
         printed="total(F_i, i)", right="total(phi_ik*F_i, i)",
         shown="the work of the forces on a mode; the series stands for F_i and lacks its mean, as 7.20",
         consequence="all modes would be excited alike; 10 has the shapes again", derive=with_values(forces_on_a_mode),
-        new=True,
     ),
     Erratum(
         equation="10 x_k", chapter="papers", source=SHOCK, where="2", kind=WRONG, left="x_k",
@@ -139,7 +137,7 @@ ENTRIES = (
         "of the row, "
         "and keep the phase of its harmonic",
         consequence="what is called a displacement is a force; Fig 4 shows it as a dynamic load",
-        derive=with_values(steady_mode), new=True,
+        derive=with_values(steady_mode),
     ),
     Erratum(
         equation="9 factor", chapter="papers", source=SHOCK, where="3, text", kind=WRONG, left="",

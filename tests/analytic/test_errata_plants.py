@@ -1,5 +1,6 @@
 """What we compute with are the right forms of the register: plants and controllers beside the formula on display."""
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -180,6 +181,9 @@ def test_modes_and_pulses_of_chapter_7() -> None:
     names = {"omega": 3.0, "zeta": 0.3, "p": 2.0, "omega_D": 3 * np.sqrt(1 - 0.09), "Psi": Psi}
     assert ours.A_t[0, 0] == pytest.approx(right("7.25 A_t", **names), rel=NEAR)
     assert theirs.A_t[0, 0] == pytest.approx(printed("7.25 A_t", **names), rel=NEAR)
+    for name in (field.name for field in fields(ours)):  # all eight: right but for a common factor
+        ratio = getattr(theirs, name) / getattr(ours, name)
+        assert ratio[0, 0] == pytest.approx(np.sqrt(1 - 0.09), rel=NEAR), name
     assert ours.D_t[0, 0] == pytest.approx(right("C.6 D_t", **names), rel=NEAR)
     pulse = Pulse("rectangular", 0.05)
     assert pulse.transform(70.0) == pytest.approx(right("7.17", W=70.0, T=0.05), rel=NEAR)
