@@ -8,17 +8,17 @@ from . import full_shock as shock
 from .entry import Entry
 
 ENTRIES: tuple[Entry, ...] = (
-    Entry("thesis 6.14", "Reaction of the front wheels, full-order robot", impact.front_figure, impact.front_claims,
+    Entry("thesis 6.14", "reaction of the front wheels, full-order robot", impact.front_figure, impact.front_claims,
           ("full-order-ramp", "pd")),
-    Entry("thesis 6.15", "Reaction of the rear wheels, full-order robot", impact.rear_figure, impact.rear_claims,
+    Entry("thesis 6.15", "reaction of the rear wheels, full-order robot", impact.rear_figure, impact.rear_claims,
           ("full-order-ramp", "pd")),
-    Entry("wheel impact paper 9", "Reaction of the front wheels, full-order robot", impact.paper_front_figure,
+    Entry("wheel impact paper 9", "reaction of the front wheels, full-order robot", impact.paper_front_figure,
           impact.paper_front_claims, ("full-order-ramp", "playback")),
-    Entry("wheel impact paper 10", "Reaction of the rear wheels, full-order robot", impact.paper_rear_figure,
+    Entry("wheel impact paper 10", "reaction of the rear wheels, full-order robot", impact.paper_rear_figure,
           impact.paper_rear_claims, ("full-order-ramp", "playback")),
-    Entry("DYMAC paper 5", "Normal jerk at three tractions, full-order robot", jerk.dymac_figure, jerk.dymac_claims,
+    Entry("DYMAC paper 5", "normal jerk at three tractions, full-order robot", jerk.dymac_figure, jerk.dymac_claims,
           ("full-order-jerk", "dymac-ideal")),
-    Entry("ASME paper 6", "Longitudinal jerk at three tractions, full-order robot", jerk.asme_figure, jerk.asme_claims,
+    Entry("ASME paper 6", "longitudinal jerk at three tractions, full-order robot", jerk.asme_figure, jerk.asme_claims,
           ("full-order-jerk", "asme-ideal")),
-    Entry("shock paper 5-full", "Station 1 under three pulses, full-order robot", shock.figure, shock.claims),
+    Entry("shock paper 5-full", "station 1 under three pulses, full-order robot", shock.figure, shock.claims),
 )  # fmt: skip

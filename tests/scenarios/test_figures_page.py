@@ -28,6 +28,8 @@ from studies.figures.summary import counts, sentence
 REQUIRED = {
     *(f"thesis {n}" for n in ("3.2", "4.4", "4.5", "4.7", "4.8 velocity", "4.8 dimensions")),
     *(f"thesis {n}" for n in ("5.2", "5.3", "5.4", "5.5")),
+    *(f"thesis 6.{n}" for n in (5, 6, 7, 8, 9, 10, 11, 14, 15)), *(f"wheel impact paper {n}" for n in range(4, 11)),
+    *(f"DYMAC paper {n}" for n in (3, 4, 5)), *(f"ASME paper {n}" for n in (3, 4, 6)), "TIMR paper 3",
     *(f"thesis {n}" for n in ("7.3", "8.2", "8.3-8.5", "8.6", "8.7-8.8", *(f"8.{k}" for k in range(9, 16)))),
     *(f"thesis table {n}" for n in ("4.1", "5.1", "6.1", "6.2", "8.1")),
     *(f"smooth manoeuvre paper {n}" for n in ("4", "5", "6", "7", "table 1")),
