@@ -98,12 +98,12 @@ def _table(entries: Sequence[Erratum], shown: dict[str, dict]) -> None:
     console = out()
     console.print(table)
     console.print(
-        f"{len(entries)} errors; {len(CONFIRMED)} equations derived likewise are right, and {len(REFERENCES)} "
+        f"errors: {len(entries)}; {len(CONFIRMED)} equations derived likewise are right, and {len(REFERENCES)} "
         "references in print name another number. One in full, with how it is shown: wmr-cosim errata EQUATION"
     )
     if shown:
-        right = [found.gap() < RIGHT for found in CONFIRMED]
-        console.print(f"derived again: {sum(right)} of the {len(right)} are right")
+        found = sum(equation.gap() < RIGHT for equation in CONFIRMED)
+        console.print(f"derived again: {found} of the {len(CONFIRMED)} are right")
 
 
 def _verdict(found: dict) -> str:

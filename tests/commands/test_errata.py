@@ -16,7 +16,7 @@ def test_the_table_has_all_entries_and_says_what_was_found_right(wmr: Command) -
     lines = said.out.splitlines()
     for entry in REGISTER:
         assert any(line.strip().startswith(entry.key) for line in lines), entry.key
-    assert f"{len(REGISTER)} errors" in said.out
+    assert f"errors: {len(REGISTER)};" in said.out
     assert "are right" in lines[-1]
 
 
