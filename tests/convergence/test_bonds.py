@@ -27,7 +27,7 @@ from cosim import (
     System,
     run,
 )
-from studies.oscillator import CONNECTIONS, LeftMass, RightMass, solution
+from studies.oscillator import CONNECTIONS, LeftMass, RightMass, coupled, solution
 
 S = 1_000_000_000  # ns
 E = 0.065  # J, of the start
@@ -36,8 +36,7 @@ ALGORITHMS = [Jacobi(), GaussSeidel(), GaussSeidel(("right", "left")), Iterated(
 
 
 def system(fmi: int = 2, **left: float) -> System:
-    parts = {"left": fmus.instantiate(LeftMass(**left), fmi=fmi), "right": fmus.instantiate(RightMass(), fmi=fmi)}
-    return System(parts, CONNECTIONS)
+    return coupled(fmus.instantiate(LeftMass(**left), fmi=fmi), fmus.instantiate(RightMass(), fmi=fmi))
 
 
 def drift(algorithm: Any, n: int, control: Any = Fixed(), **left: float) -> tuple[np.ndarray, Residuals, Record]:  # noqa: B008

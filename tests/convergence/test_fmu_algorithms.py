@@ -28,7 +28,7 @@ from cosim import (
     run,
 )
 from cosim.attempt import Attempt
-from studies.oscillator import CONNECTIONS, START, LeftMass, RightMass, solution
+from studies.oscillator import START, LeftMass, RightMass, coupled, solution
 
 S = 1_000_000_000  # ns
 BOND = Bond("right.force", "left.velocity", 0.065)
@@ -41,7 +41,7 @@ MAKE: dict[str, Callable[[Component], Instance]] = {
 
 
 def system(kind: str) -> System:
-    return System({"left": MAKE[kind](LeftMass(d=0.5)), "right": MAKE[kind](RightMass())}, CONNECTIONS)
+    return coupled(MAKE[kind](LeftMass(d=0.5)), MAKE[kind](RightMass()))
 
 
 def ran(kind: str, algorithm: Any, control: Any) -> tuple[list[int], np.ndarray]:
