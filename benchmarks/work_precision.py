@@ -76,9 +76,7 @@ class Way:
     knobs: tuple[float, ...]
     order: int
     paced: bool = False
-    gain: float = (
-        math.inf
-    )  # of a paced one: how large the error becomes at most for an error of 1 in each judged output
+    gain: float = math.inf  # of a paced one: the most that an error of 1 in all judged outputs becomes
 
 
 def oscillator(algorithm: Algorithm, step: float, control: Fixed | PI = Fixed()) -> Outcome:  # noqa: B008
@@ -118,10 +116,8 @@ def kink() -> int:
     return math.ceil((at + sunk * math.tan(ANGLE / 2) - front) / IMPACT.speed * NS - 1e-3)
 
 
-def problems() -> dict[str, tuple[list[Way], str]]:
-    """Return the ways of each problem, and the unit of its error."""
-    steps, hits = (1 / 25, 1 / 50, 1 / 100, 1 / 200), (4e-4, 2e-4, 1e-4, 5e-5)
-    tolerances = (1e-3, 1e-4, 1e-5)
+def masses() -> list[Way]:
+    """Return the ways of problem (a)."""
     fixed: dict[str, tuple[Algorithm, int]] = {
         "Jacobi": (Jacobi(), 1),
         "Gauss-Seidel": (GaussSeidel(), 1),
@@ -133,20 +129,25 @@ def problems() -> dict[str, tuple[list[Way], str]]:
         "Jacobi, impulses conserved": (Conserving(Jacobi(), (BOND,)), 2),
         "Gauss-Seidel, impulses conserved": (Conserving(GaussSeidel(), (BOND,)), 2),
     }
-    paced: dict[str, tuple[Algorithm, int]] = {
-        "Gauss-Seidel, PI by Richardson": (Richardson(GaussSeidel(), outputs=("*.position", "*.velocity")), 1),
-        "Gauss-Seidel, PI by energy": (EnergyError(GaussSeidel(), (BOND,)), 1),
-        "iterated, lines, PI by Richardson": (
-            Richardson(Extrapolated(Iterated(), 1), 2, outputs=("*.position", "*.velocity")), 2,
+    judged = ("*.position", "*.velocity")
+    # an error of position stays one, one of velocity becomes one by 1 / w, at most 1 s; energy says nothing of phase
+    paced: dict[str, tuple[Algorithm, int, float]] = {
+        "Gauss-Seidel, PI by Richardson": (Richardson(GaussSeidel(), outputs=judged), 1, 2.0),
+        "Gauss-Seidel, PI by energy": (EnergyError(GaussSeidel(), (BOND,)), 1, math.inf),
+        "iterated, lines, PI by Richardson": (Richardson(Extrapolated(Iterated(), 1), 2, outputs=judged), 2, 2.0),
+    }
+    steps, tolerances = (1 / 25, 1 / 50, 1 / 100, 1 / 200), (1e-3, 1e-4, 1e-5)
+    return [
+        *(Way(name, lambda h, a=a: oscillator(a, h), steps, order) for name, (a, order) in fixed.items()),
+        *(
+            Way(name, lambda tol, a=a, p=p: oscillator(a, 1e-3, PI(0.0, tol, order=p)), tolerances, p, True, gain)
+            for name, (a, p, gain) in paced.items()
         ),
-    }  # fmt: skip
-    masses = [Way(name, lambda h, a=a: oscillator(a, h), steps, order) for name, (a, order) in fixed.items()]
-    masses += [
-        # an error of position stays one, one of velocity becomes one by 1 / w, at most 1 s
-        Way(name, lambda tol, a=a, p=p: oscillator(a, 1e-3, PI(0.0, tol, order=p)), tolerances, p, True,
-            math.inf if isinstance(a, EnergyError) else 2.0)
-        for name, (a, p) in paced.items()
-    ]  # fmt: skip
+    ]
+
+
+def contact() -> list[Way]:
+    """Return the ways of problem (b)."""
     in_turn = GaussSeidel(("wheels", "body"))
     couplings: dict[str, tuple[Coupling, Algorithm, int]] = {
         "reduced model": ("reduced", in_turn, 2),
@@ -154,17 +155,17 @@ def problems() -> dict[str, tuple[list[Way], str]]:
         "force/displacement, Jacobi": ("classical", Jacobi(), 1),
         "force/displacement, iterated": ("classical", Iterated(in_turn, max_iterations=20, unconverged="warn"), 1),
     }
-    contact = [
-        Way(name, lambda h, c=c, a=a: rover(c, a, h), hits, p) for name, (c, a, p) in couplings.items()
-    ]  # fmt: skip
     # an error of position becomes one of velocity at 254 rad/s, the faster of the two natural frequencies
     judged = Richardson(in_turn, 2, outputs=("body.position",))
 
     def as_asked(tolerance: float) -> Outcome:
         return rover("reduced", judged, 1e-5, PI(0.0, tolerance, order=2))
 
-    contact.append(Way("reduced model, PI by Richardson", as_asked, (1e-6, 1e-7, 1e-8), 2, True, 254.0))
-    return {"two masses": (masses, "m"), "first contact": (contact, "m/s")}
+    steps = (4e-4, 2e-4, 1e-4, 5e-5)
+    return [
+        *(Way(name, lambda h, c=c, a=a: rover(c, a, h), steps, p) for name, (c, a, p) in couplings.items()),
+        Way("reduced model, PI by Richardson", as_asked, (1e-6, 1e-7, 1e-8), 2, True, 254.0),
+    ]
 
 
 def measured(way: Way) -> list[Outcome]:
@@ -214,7 +215,7 @@ def main() -> None:
     results: dict[str, tuple[list[tuple[Way, list[Outcome]]], str]] = {}
     report: dict[str, Any] = {}
     wrong: list[str] = []
-    for title, (ways, unit) in problems().items():
+    for title, ways, unit in (("two masses", masses(), "m"), ("first contact", contact(), "m/s")):
         shown = Table("coupling", f"error, {unit} (steps, wall time in ms)", "order", "claimed", title=title)
         rows = results.setdefault(title, ([], unit))[0]
         for way in ways:
