@@ -12,6 +12,7 @@ import numpy as np
 from cosim.component import table_text
 
 from .layout import Layout
+from .schedule import rescheduled
 
 PREFIX = "eq_"  # a function's name becomes a C identifier: alone, "jump" or "out" might collide
 
@@ -45,7 +46,7 @@ def equations_source(layout: Layout) -> str:
         generator.generate(f"{folder}/")
         source = Path(folder, "equations.c").read_text()
     begin, end = source.index(f"/* {PREFIX}jvp:"), source.index(f"CASADI_SYMBOL_EXPORT int {PREFIX}jvp(")
-    return "".join((source[:begin], _UNHURRIED, source[begin:end], _HURRIED, source[end:]))
+    return "".join((rescheduled(source[:begin]), _UNHURRIED, source[begin:end], _HURRIED, source[end:]))
 
 
 def _exported(function: ca.Function, name: str) -> ca.Function:
