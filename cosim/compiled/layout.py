@@ -40,7 +40,7 @@ class CLoop(ctypes.Structure):
         *((name, c_int64) for name in ("n", "n_row", "jacobi", "locating", "start", "stop", "step", "k", "now")),
         *((name, c_int64) for name in ("done", "n_announced", "terminated", "component", "what", "status")),
         ("reached", c_int64),
-        ("time", c_double),
+        *((name, c_double) for name in ("time", "from", "to")),
     )
 
 

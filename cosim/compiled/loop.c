@@ -63,6 +63,12 @@ static int64_t tick_at_or_after(double time)
     return whole;
 }
 
+/* where a component is, in s; a division takes as long as a step of a cheap FMU: mostly it is known */
+static double begin(const Loop *loop, const Component *c)
+{
+    return c->time == loop->now ? loop->from : seconds(c->time);
+}
+
 static int feed(Loop *loop, int64_t i)
 {
     Component *c = &loop->components[i];
@@ -103,11 +109,11 @@ typedef struct {
     bool early, terminated;
 } Advance;
 
-static int step2(Loop *loop, int64_t i, int64_t end, Advance *advance)
+static int step2(Loop *loop, int64_t i, Advance *advance)
 {
     Component *c = &loop->components[i];
-    double t = seconds(c->time), reached = t;
-    int status = ((Step2)c->step)(c->instance, t, seconds(end) - t, 0), terminated = 0;
+    double t = begin(loop, c), reached = t;
+    int status = ((Step2)c->step)(c->instance, t, loop->to - t, 0), terminated = 0;
     if (status <= WARNING)
         return OK;
     if (status != DISCARD)
@@ -123,7 +129,7 @@ static int step2(Loop *loop, int64_t i, int64_t end, Advance *advance)
 static int step3(Loop *loop, int64_t i, int64_t end, Advance *advance)
 {
     Component *c = &loop->components[i];
-    double t = seconds(c->time), to = seconds(end);
+    double t = begin(loop, c), to = loop->to;
     int tries;
     for (tries = 0; tries < CONTINUED; tries++) {
         int status =
@@ -159,7 +165,7 @@ static int step(Loop *loop, int64_t i, int64_t end)
 {
     Component *c = &loop->components[i];
     Advance advance = {end, false, false};
-    if ((c->fmi == 2 ? step2 : step3)(loop, i, end, &advance) != OK)
+    if ((c->fmi == 2 ? step2(loop, i, &advance) : step3(loop, i, end, &advance)) != OK)
         return FAILED;
     if (advance.terminated)
         loop->terminated = i;
@@ -178,7 +184,8 @@ static int step(Loop *loop, int64_t i, int64_t end)
 
 static bool is_due(const Loop *loop, int64_t i, int64_t end)
 {
-    return end == loop->stop || (loop->k + 1) % loop->components[i].every == 0;
+    int64_t every = loop->components[i].every; /* a remainder takes as long as a step of a cheap FMU: not where it is 1 */
+    return every == 1 || end == loop->stop || (loop->k + 1) % every == 0;
 }
 
 /* Each returns OK or why the attempt ended; *stepped* is how many of the order were asked. */
@@ -261,16 +268,18 @@ EXPORT int advance(Loop *loop, int64_t most, double wall, double budget)
 {
     double began = clock_now(), passed = 0.0;
     loop->done = 0;
+    loop->from = seconds(loop->now);
     while (loop->done < most && loop->now < loop->stop && passed < budget) {
         int64_t end = loop->start + (loop->k + 1) * loop->step, stepped = 0;
         int why;
         if (end > loop->stop)
             end = loop->stop;
+        loop->to = seconds(end);
         loop->terminated = -1;
         loop->n_announced = 0;
         if (loop->kept && save(loop) != OK)
             return FAILED;
-        why = (loop->jacobi ? jacobi : gauss_seidel)(loop, end, &stepped);
+        why = loop->jacobi ? jacobi(loop, end, &stepped) : gauss_seidel(loop, end, &stepped);
         if (why == EARLY)
             return take_back(loop, end, stepped);
         if (why != OK)
@@ -280,6 +289,7 @@ EXPORT int advance(Loop *loop, int64_t most, double wall, double budget)
         if (loop->starts)
             tell(loop, end, wall + passed);
         loop->now = end;
+        loop->from = loop->to;
         loop->k++;
         loop->done++;
         if (loop->terminated >= 0 || loop->n_announced)

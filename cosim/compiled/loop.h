@@ -59,6 +59,7 @@ typedef struct {
     int64_t component, what, status; /* of a failure */
     int64_t reached;                 /* ns; where a step ended that was not to end there */
     double time;                     /* s, of a failure */
+    double from, to;                 /* s: now, and the end of this macro step */
 } Loop;
 
 #endif
