@@ -1,0 +1,94 @@
+"""One line swaps the plant: what a scenario says of wheels, chassis and connections becomes the full-order robot's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cosim.errors import ScenarioError
+from plants.full_order import FullOrderRover
+from plants.ring_press import pressed
+from studies.assembly import Assembly, assemble
+from studies.catalog import find_scenario
+from studies.full_order import as_wheels
+
+LINE = 'body.type="FullOrderRover"'
+
+
+def swapped(scenario: str, variant: str, *more: str) -> Assembly:
+    file = find_scenario(scenario)
+    return assemble(file.load(variant, file.overrides([LINE, *more])))
+
+
+def body(assembly: Assembly) -> FullOrderRover:
+    part = assembly.components["body"]
+    assert isinstance(part, FullOrderRover)
+    return part
+
+
+def test_wheels_and_chassis_fall_away_and_describe_the_rings() -> None:
+    made = swapped("ramp-impact", "uncontrolled")
+    assert list(made.components) == ["controller", "body"]
+    rover = body(made)
+    assert pressed(rover)["k_w"] == pytest.approx(2.8e6, rel=1e-2)
+    assert pressed(rover)["c_w"] == pytest.approx(0)
+    assert (rover.mu_s, rover.mu_d, rover.laid_on) == (0.8, 0.3, 0.0)
+    assert rover.modes == 25
+    assert np.any(rover.values["wheel_shape"] != 0)
+
+
+def test_friction_without_limit_is_laid_on() -> None:
+    assert body(swapped("ramp-impact", "pd")).laid_on == 1.0
+
+
+def test_a_rigid_chassis_can_be_asked_for() -> None:
+    assert np.all(body(swapped("ramp-impact", "uncontrolled", "body.chassis=false")).values["wheel_shape"] == 0)
+
+
+def test_the_same_controller_is_designed_from_a_press_test() -> None:
+    """Its stiffness is that of the rings to the 1e-6 at which the search for their depth ends."""
+    ours = swapped("ramp-impact-realistic", "pd").components["controller"]
+    file = find_scenario("ramp-impact-realistic")
+    theirs = assemble(file.load("pd")).components["controller"]
+    assert ours.values["k_w"] == pytest.approx(theirs.values["k_w"], rel=1e-5)  # type: ignore[union-attr]
+    assert ours.values["h0"] == pytest.approx(theirs.values["h0"], rel=1e-5)  # type: ignore[union-attr]
+
+
+def test_what_stands_in_the_connections_of_wheels_stands_in_those_of_the_body() -> None:
+    made = swapped("ramp-impact-late", "lag-5-ms")
+    assert "traction_demand_to_body" in made.components
+    wires = made.wiring({n: p.variables for n, p in made.components.items() if not isinstance(p, str)})
+    assert wires["body.traction_demand"] == "traction_demand_to_body.y"
+    assert wires["traction_demand_to_body.u"] == "controller.traction_demand"
+    assert wires["controller.normal_force"] == "body.normal_force_end"
+    assert wires["controller.gap"] == "body.gap"
+
+
+def test_it_starts_settled_or_without_load() -> None:
+    starts = swapped("ramp-impact", "uncontrolled").starts
+    assert np.sum(starts["body.pressing"]) == pytest.approx((170 + 4 * 0.83) * 9.81)
+    rising = swapped("ramp-impact", "uncontrolled", "body.gravity_time=0.1").starts
+    assert "body.pressing" not in rising
+    assert rising["body.r"][2] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("wheels.k_w=-1.0", "takes one positive number for all wheels"),
+        ("wheels.k_w=[1e5, 1e5, 2e5, 2e5]", "takes one positive number for all wheels"),
+        ("body.chassis=3", "must be a table of the parameters of ChassisModal, or false"),
+        ("body.micro_step=1e-3", "are stable up to"),
+    ],
+)
+def test_what_cannot_be_is_said_in_a_sentence(change: str, words: str) -> None:
+    with pytest.raises(ScenarioError, match=words):
+        swapped("ramp-impact", "uncontrolled", change)
+
+
+def test_readers_of_wheels_read_the_body_where_there_are_none() -> None:
+    ports = {"body.normal_force": np.ones(3), "body.pitch": np.zeros(3)}
+    read = as_wheels(ports.get)
+    assert read("wheels.normal_force") is ports["body.normal_force"]
+    assert read("body.pitch") is ports["body.pitch"]
+    assert read("wheels.nothing") is None
