@@ -16,6 +16,7 @@ from rerun.chunk import RrdReader
 from cosim.errors import ScenarioError, nearest
 from cosim.variable import Variable
 
+from .drawing import own_wheels
 from .panels import DECISIVE, MOTION, Panel
 from .ports import entity
 from .questions import QUESTIONS, Camera, Look, health, impact, plot, scene, shock, smoothness
@@ -46,7 +47,7 @@ def answered(ports: Iterable[str]) -> list[str]:
     """Return the QUESTIONS that a run with these output *ports* can answer."""
     needed = {"impact": "wheels.normal_force", "smoothness": "body.jerk_body", "shock": "chassis.acceleration"}
     known = set(ports)
-    return [name for name in QUESTIONS if name not in needed or needed[name] in known]
+    return [name for name in QUESTIONS if name not in needed or {needed[name], own_wheels(needed[name])} & known]
 
 
 def question(name: str, ports: Iterable[str], look: Look | None = None) -> rrb.Blueprint:

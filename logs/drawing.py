@@ -12,6 +12,11 @@ from cosim.system import System
 Read = Callable[[str], "np.ndarray | None"]
 
 
+def own_wheels(port: str) -> str:
+    """Return the name that a port of wheels has at a robot whose wheels are part of it."""
+    return f"body.{port.removeprefix('wheels.')}" if port.startswith("wheels.") else port
+
+
 class Drawing:
     """Something that is drawn while a run goes; does nothing by itself."""
 
@@ -36,8 +41,12 @@ class Drawings(Drawing):
             part.started(recording, system)
 
     def emit(self, recording: Any, ns: np.ndarray, step: np.ndarray, read: Read) -> None:
+        def found(port: str) -> np.ndarray | None:
+            values = read(port)
+            return read(own_wheels(port)) if values is None else values
+
         for part in self.parts:
-            part.emit(recording, ns, step, read)
+            part.emit(recording, ns, step, found)
 
     def finished(self, recording: Any) -> None:
         for part in self.parts:

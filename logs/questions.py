@@ -9,6 +9,7 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
+from .drawing import own_wheels
 from .energy import RESIDUAL
 from .ports import entity
 from .states import TOTAL
@@ -79,7 +80,7 @@ def smoothness(ports: Ports, look: Look) -> Any:
     forces = {entity("controller.ideal_force"): ("ideal: without normal jerk", (42, 157, 74), "controller.ideal_force")}
     shown = {path: style for path, style in forces.items() if style[2] in ports}
     overrides = {f"/{p}": rr.SeriesLines(names=[s[0]], colors=[s[1]], widths=[1.5]) for p, s in shown.items()}
-    applied = [TOTAL] if "wheels.traction" in ports else []
+    applied = [TOTAL] if {"wheels.traction", own_wheels("wheels.traction")} & set(ports) else []
     force = plot("ideal and applied force, all wheels [N]", [*shown, *applied], legend=True, overrides=overrides)
     plots = [
         named("jerk of the body's components [m/s3]", ports, "body.jerk_body", ["x", "y", "z"]),
@@ -113,7 +114,7 @@ def shock(ports: Ports, look: Look) -> Any:
 
 def health(ports: Ports, look: Look) -> Any:
     """Whether the co-simulation can be trusted: gap mismatch, energy, step size, wall time, and how it is coupled."""
-    rover = "body.gap" in ports
+    rover = {"body.gap", "wheels.deformation"} <= set(ports)
     plots = [
         plot("wheel and body disagree about the gap by [m]", ["master/gap_mismatch"]) if rover else None,
         plot("energy residual [J]: what the splitting adds", [RESIDUAL]) if "energy" in look.captions else None,
@@ -203,6 +204,7 @@ def wheels(
     name: str, ports: Ports, port: str, limit: str = "", at: tuple[int, ...] = (0, 1, 2, 3), *, legend: bool = False
 ) -> rrb.TimeSeriesView | None:
     """Return the plot of the wheels *at* of a port with one value per wheel, its *limit* in pale colours behind it."""
+    port, limit = (p if p in ports else own_wheels(p) for p in (port, limit))
     if port not in ports:
         return None
     seen = [k in at for k in range(len(WHEELS))]

@@ -76,14 +76,18 @@ class Scene(Drawing):
             log(
                 f"robot/body/{part}", rr.Boxes3D(half_sizes=[half], centers=[centre], colors=[paint], fill_mode="solid")
             )
+        half = [self.R * 0.75, self._width * 0.57, self.R * 0.1]
         for wheel in WHEELS:
-            half = [self.R * 0.75, self.R * 0.1, self._width * 0.57]
-            log(f"robot/wheel_{wheel}/tyre", rr.Mesh3D.from_fields(
-                triangle_indices=tyre.triangles(), vertex_normals=tyre.normals(),
-                albedo_factor=TYRE,
-            ))  # fmt: skip
-            box = rr.Boxes3D(half_sizes=[[half[0], half[2], half[1]]], colors=[SPOKE], fill_mode="solid")
-            log(f"robot/wheel_{wheel}/spoke", box)
+            log(f"robot/wheel_{wheel}/spoke", rr.Boxes3D(half_sizes=[half], colors=[SPOKE], fill_mode="solid"))
+        self._tyres(log)
+
+    def _tyres(self, log: Any) -> None:
+        """Draw what of the tyres does not change."""
+        mesh = rr.Mesh3D.from_fields(
+            triangle_indices=tyre.triangles(), vertex_normals=tyre.normals(), albedo_factor=TYRE
+        )
+        for wheel in WHEELS:
+            log(f"robot/wheel_{wheel}/tyre", mesh)
 
     @property
     def caption(self) -> str:
@@ -132,18 +136,21 @@ class Scene(Drawing):
 
     def _wheels(self, send: Send, centres: np.ndarray, upright: np.ndarray, spin: np.ndarray, read: Read) -> None:
         """Draw the wheels: the frame of each along its ground, in it the flattened tyre and the turning spoke."""
-        deformation = read("wheels.deformation")
         for k, wheel in enumerate(WHEELS):
             turned = Rotation.from_matrix(upright[:, k]).as_quat()
             send(f"robot/wheel_{wheel}", rr.Transform3D.columns(translation=centres[:, k], quaternion=turned))
             about = np.zeros((len(spin), 4))
             about[:, 1], about[:, 3] = np.sin(spin[:, k] / 2), np.cos(spin[:, k] / 2)
             send(f"robot/wheel_{wheel}/spoke", rr.Transform3D.columns(quaternion=about))
-            pressed = np.zeros(len(spin)) if deformation is None else np.maximum(0.0, -deformation[:, k])
-            vertices = tyre.shape(self.R, self._width, pressed, self.flattening)
-            rows = np.full(len(vertices), vertices.shape[1])
-            columns = rr.Mesh3D.columns(vertex_positions=vertices.reshape(-1, 3))
-            send(f"robot/wheel_{wheel}/tyre", columns.partition(rows))
+            self._shape(send, k, len(centres), read)
+
+    def _shape(self, send: Send, wheel: int, n: int, read: Read) -> None:
+        """Draw a tyre in *n* frames."""
+        deformation = read("wheels.deformation")
+        pressed = np.zeros(n) if deformation is None else np.maximum(0.0, -deformation[:, wheel])
+        vertices = tyre.shape(self.R, self._width, pressed, self.flattening)
+        columns = rr.Mesh3D.columns(vertex_positions=vertices.reshape(-1, 3))
+        send(f"robot/wheel_{WHEELS[wheel]}/tyre", columns.partition(np.full(n, vertices.shape[1])))
 
     def _turned(self, ns: np.ndarray, velocity: np.ndarray | None) -> np.ndarray:
         """Return the angles the wheels have rolled, (n, 4), as if without slip."""

@@ -15,8 +15,11 @@ from logs.drawing import Drawing, Drawings, nice
 from logs.energy import EnergyResidual
 from logs.questions import QUESTIONS, Camera, Look
 from logs.recorder import Read
+from logs.rings import RingScene
 from logs.scene import Scene
 from logs.states import ContactStates
+from plants.full_order import FullOrderRover
+from plants.ring_press import resting
 from plants.tables import G, Robot
 
 from .assembly import Assembly
@@ -25,7 +28,9 @@ from .runner import algorithm_of, obstacle_start
 FAR = 3.0  # m of way, beyond which a camera that stands still sees the robot leave
 FRAMES = 500  # at most
 FORCE_ARROW = 3.0  # radii of a wheel: how long the arrow of a quarter of the weight is
+NODE_ARROW = 2.0  # how much longer that of a force on one node of a ring is
 FLAT = 0.06  # of a radius: how deep the weight presses a tyre in the picture, at least
+_PRESSED = 0.02  # of a radius: where the search for the depth of a ring under the weight begins
 GRIP = 100.0  # coefficient of friction, from which it counts as unlimited
 ASIDE = 2.5  # m of ground beside the tracks of a robot that steers
 ROWS, COLUMNS = 5, 4  # of stations on the default chassis
@@ -38,8 +43,11 @@ def drawn(assembly: Assembly, instances: dict[str, Instance], record: Record) ->
     view = camera(assembly)
     if view is not None:
         shown = scene(assembly)
-        parts += [shown, ContactStates(), EnergyResidual(_arm(assembly))]
-        captions |= {"scene": shown.caption, "contact": "", "energy": ""}
+        parts += [shown, ContactStates()]
+        captions |= {"scene": shown.caption, "contact": ""}
+        if "wheels" in assembly.components:  # there is a splitting that could add energy
+            parts.append(EnergyResidual(_arm(assembly)))
+            captions |= {"energy": ""}
         captions |= {} if shown.limited else {"unlimited": ""}
     plate = chassis(assembly)
     if plate is not None:
@@ -80,9 +88,11 @@ def scene(assembly: Assembly) -> Scene:
     x = np.arange(start - bot.L_r - 0.8, start + reach, 0.01)
     left, right = (np.column_stack([x, track.elevation(x)]) for track in (assembly.ground.left, assembly.ground.right))
     scale = FORCE_ARROW * bot.R / (bot.m * G / 4)
-    return Scene(
-        bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, left, right, scale, _interval(assembly),
-        flattening=_flattening(assembly, bot), limited=_grip(assembly) < GRIP,
+    body = assembly.components.get("body")
+    rings = isinstance(body, FullOrderRover) and body.structure["seen"] != 0
+    return (RingScene if rings else Scene)(
+        bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, left, right, scale * (NODE_ARROW if rings else 1),
+        _interval(assembly), flattening=_flattening(assembly, bot), limited=_grip(assembly) < GRIP,
         shoulder=ASIDE if _steers(assembly) else 3 * bot.R,
     )  # fmt: skip
 
@@ -104,10 +114,14 @@ def _grip(assembly: Assembly) -> float:
 
 def _flattening(assembly: Assembly, bot: Robot) -> float:
     """Return by how much deformations are exaggerated, so that a tyre under its share of the weight looks pressed."""
+    body, load = assembly.components.get("body"), bot.m * G / 4
+    if isinstance(body, FullOrderRover):
+        depth = resting(body.values, body.nodes, body.points, load, _PRESSED * bot.R).depth
+        return max(1.0, nice(FLAT * bot.R / depth))
     wheels = assembly.components.get("wheels")
     if not isinstance(wheels, Component) or not {"k_w", "z"} <= set(wheels.declarations):  # rigid ones have no z
         return 1.0
-    return max(1.0, nice(FLAT * bot.R * float(np.max(wheels.values["k_w"])) / (bot.m * G / 4)))
+    return max(1.0, nice(FLAT * bot.R * float(np.max(wheels.values["k_w"])) / load))
 
 
 def chassis(assembly: Assembly) -> ChassisMap | None:
