@@ -8,6 +8,7 @@ stiffness, and to the second on smooth ground as everything gets stiffer.  Neith
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from plants.full_order import FullOrderRover
 
 from .runner import execute
 
-_BASE = {
+_BASE: dict[str, Any] = {
     "name": "full-order-limits", "title": "limits", "claim": "", "assembly": "rover", "robot": {"table": "thesis_6_1"},
     "start": {"speed": 2.0}, "components": {"controller": {"type": "Uncontrolled"}},
 }  # fmt: skip
