@@ -41,7 +41,7 @@ from cosim import (
 )
 from plants.ground import Ground, Ramp
 from plants.tables import ROBOTS
-from studies.coupling import Case, Coupling, coupled, exactly
+from studies.coupling import Case, Coupling, coupled, exactly, kink
 from studies.oscillator import STILL, LeftMass, RightMass, solution
 from studies.oscillator import coupled as two_masses
 from studies.places import run_folder
@@ -101,19 +101,6 @@ def rover(coupling: Coupling, algorithm: Algorithm, step: float, control: Fixed 
                       control=control)  # fmt: skip
     wrong = np.max(np.abs(record["body.velocity"][:, 2] - exactly(IMPACT, record.time_ns).vertical_speed))
     return Outcome(float(wrong), summary.wall, summary.steps, record.events[0][0])
-
-
-def kink() -> int:
-    """Return the first tick at or after the instant at which the fronts meet the slope, in closed form.
-
-    They roll at a constant speed, sunk by their static deflection, on a body pitched by the difference of both: the
-    faces of ground and slope are equally near on the bisector of the kink.
-    """
-    robot, starts = IMPACT.robot, IMPACT.starts()
-    at, nose_up, sunk = IMPACT.ground.departure(robot.R), -2 * starts["body.q"][2], -starts["wheels.z"][0]
-    assert at is not None
-    front = starts["body.r"][0] + robot.L_f * math.cos(nose_up) + robot.h * math.sin(nose_up)
-    return math.ceil((at + sunk * math.tan(ANGLE / 2) - front) / IMPACT.speed * NS - 1e-3)
 
 
 def masses() -> list[Way]:
@@ -182,7 +169,7 @@ def order_of(way: Way, found: list[Outcome]) -> float:
 
 def failures(way: Way, found: list[Outcome], order: float) -> list[str]:
     """Return what does not hold of a way, as sentences."""
-    wrong = []
+    wrong, exact = [], kink(IMPACT, ANGLE)
     if not way.paced and not way.order - 0.3 < order < way.order + 0.7:
         wrong.append(f"{way.label}: the observed order {order:.2f} is not the {way.order} that is claimed")
     if way.paced:
@@ -191,8 +178,8 @@ def failures(way: Way, found: list[Outcome], order: float) -> list[str]:
             for o, tolerance in zip(found, way.knobs, strict=True) if o.error > way.gain * o.steps * tolerance
         ]  # fmt: skip
     wrong += [
-        f"{way.label}: the event at {o.event} ns is not within 1 ns of {kink()} ns"
-        for o in found if o.event >= 0 and abs(o.event - kink()) > 1
+        f"{way.label}: the event at {o.event} ns is not within 1 ns of {exact} ns"
+        for o in found if o.event >= 0 and abs(o.event - exact) > 1
     ]  # fmt: skip
     return wrong
 

@@ -18,7 +18,9 @@ import numpy as np
 from .algorithms import Algorithm
 from .attempt import Attempt
 from .clock import seconds, ticks
+from .conserving import Conserving
 from .errors import CouplingError, WiringError, nearest
+from .extrapolation import Extrapolated
 from .instance import Instance
 from .linearize import Linear, named, unconnected
 from .step_checks import sample_period
@@ -59,6 +61,7 @@ def step_map(
     that cannot go back; WiringError for a component whose states cannot be set once it runs, as those of a foreign FMU.
     """
     _check(system)
+    _check_memory(algorithm)
     step_ns = ticks(step, "the step")
     span = _span(system, step_ns)
     memory = [*_states(system, tuple(states)), *_held(system, algorithm)]
@@ -73,6 +76,16 @@ def step_map(
         for name in system.names:
             system.collect(name)
     return named(_linear(system, columns, memory, free), "step", None, outputs, seconds(span * step_ns))
+
+
+def _check_memory(algorithm: Algorithm | None) -> None:
+    while algorithm is not None:
+        if isinstance(algorithm, (Extrapolated, Conserving)):
+            raise CouplingError(
+                f"{type(algorithm).__name__} goes by earlier points, which are no states of a map over one; "
+                f"linearise the algorithm inside it"
+            )
+        algorithm = getattr(algorithm, "inner", None)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 import fmus
 from cosim import Component, input, output, parameter, state
 from cosim.algorithms import GaussSeidel, Jacobi
-from cosim.clock import NS, ticks
+from cosim.clock import NS, tick_at_or_after, ticks
 from cosim.master import run
 from cosim.record import Record
 from cosim.system import System
@@ -107,6 +107,19 @@ def exactly(case: Case, ns: np.ndarray) -> Trace:
         energies.append(sum(instance.get(n) for n in ("kinetic_energy", "potential_energy", "elastic_energy")))
     instance.close()
     return Trace(ns, np.array(speeds), np.array(energies))
+
+
+def kink(case: Case, angle: float) -> int:
+    """Return the first tick at or after the instant at which the fronts meet a slope of *angle* (rad), in closed form.
+
+    They roll at a constant speed, sunk by their static deflection, on a body pitched by the difference of both: the
+    faces of level and slope are equally near on the bisector of the kink.
+    """
+    robot, starts = case.robot, case.starts()
+    at, nose_up, sunk = case.ground.departure(robot.R), -2 * starts["body.q"][2], -starts["wheels.z"][0]
+    assert at is not None
+    front = starts["body.r"][0] + robot.L_f * np.cos(nose_up) + robot.h * np.sin(nose_up)
+    return tick_at_or_after(float((at + sunk * np.tan(angle / 2) - front) / case.speed))
 
 
 def reference(case: Case, step: float) -> Trace:

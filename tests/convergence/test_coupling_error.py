@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cosim import PI, Algorithm, Fixed, GaussSeidel, Record, Richardson, run
 from plants.ground import Ground, Ramp
 from plants.monolithic import MonolithicRover
 from plants.tables import ROBOTS
-from studies.coupling import Case, reference, worst_error
+from studies.coupling import Case, Coupling, coupled, exactly, kink, reference, worst_error
 
 # the start is shifted by 0.07 mm, so that the edge falls inside a macro step
 IMPACT = Case(ROBOTS["thesis_6_1"], Ground.same(Ramp(start=0.63, angle=0.3)), k_w=2.8e6, x=7e-5)
@@ -35,6 +36,32 @@ def test_error_falls_with_the_square_of_the_step() -> None:
     errors = [worst_error(case, h) for h in steps]
     order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert 1.5 < order < 2.6, errors
+
+
+@pytest.mark.parametrize("coupling", ["reduced", "classical"])
+@pytest.mark.parametrize("step", [1e-3, 3e-4, None], ids=["1 ms", "0.3 ms", "PI"])
+def test_the_edge_is_met_within_a_nanosecond(coupling: Coupling, step: float | None) -> None:
+    """Whatever the steps: until then the coupling does nothing, and the instant is known in closed form."""
+    algorithm: Algorithm = GaussSeidel(("wheels", "body"))
+    control: Fixed | PI = Fixed()
+    if step is None:
+        algorithm, control = Richardson(algorithm, outputs=("body.position",)), PI(0.0, 1e-4)
+    record = Record(["body.velocity"])
+    with coupled(IMPACT, coupling) as system:
+        run(system, algorithm, step=step or 1e-5, stop=0.009, observers=[record], control=control)
+    assert abs(record.events[0][0] - kink(IMPACT, 0.3)) <= 1
+
+
+def test_steps_as_long_as_the_tolerance_allows() -> None:
+    """An error of position becomes one of velocity at 254 rad/s; no step is wrong by more than the tolerance."""
+    algorithm = Richardson(GaussSeidel(("wheels", "body")), 2, outputs=("body.position",))
+    for tolerance, few in ((1e-6, 30), (1e-7, 60)):
+        record = Record(["body.velocity"])
+        with coupled(IMPACT) as system:
+            run(system, algorithm, step=1e-5, stop=0.02, observers=[record], control=PI(0.0, tolerance, order=2))
+        exact = exactly(IMPACT, record.time_ns).vertical_speed
+        assert np.max(np.abs(record["body.velocity"][:, 2] - exact)) < 254 * len(record) * tolerance
+        assert len(record) < few  # a fixed step as good takes 50 and 100
 
 
 def test_reference_is_the_same_with_another_integrator() -> None:

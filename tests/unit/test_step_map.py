@@ -8,7 +8,7 @@ import pytest
 import toys
 
 from controllers.sensor import Sensor
-from cosim import CouplingError, GaussSeidel, Jacobi, System, WiringError
+from cosim import CouplingError, Extrapolated, GaussSeidel, Jacobi, Richardson, System, WiringError
 from cosim.step_map import step_map
 
 H = 0.01
@@ -136,3 +136,9 @@ def test_a_nominal_value_makes_a_small_effect_plain() -> None:
     with pytest.raises(WiringError) as caught:
         step_map(system, Jacobi(), step=H, nominal={"mas.F": 1.0})
     assert str(caught.value) == "nominal names 'mas.F', which is not moved; did you mean 'mass.F'?"
+
+
+@pytest.mark.filterwarnings("ignore:mass takes no derivatives")
+def test_an_algorithm_that_remembers_has_no_map_of_one_step() -> None:
+    with pytest.raises(CouplingError, match="Extrapolated goes by earlier points, which are no states of a map"):
+        step_map(oscillator(), Richardson(Extrapolated(Jacobi())), step=H)
