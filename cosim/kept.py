@@ -31,17 +31,23 @@ _UNREADABLE = (OSError, EOFError, pickle.UnpicklingError, AttributeError, Import
 
 def fingerprint(component: Component, *, values: bool = False) -> str | None:
     """Return a hash of what the equations of a component depend on, and of its *values*; None where it is not known."""
-    kind = type(component)
-    package = sys.modules.get(kind.__module__.partition(".")[0])
-    if not getattr(package, "EQUATIONS_ARE_KEPT", False) or package is None or package.__file__ is None:
+    known = of_class(type(component))
+    if known is None:
         return None
-    sources = digest(Path(package.__file__).parent), digest(Path(__file__).parent)
-    about = (kind.__module__, kind.__qualname__, sorted(component.structure.items()), sources, version("casadi"))
-    found = sha256(repr(about).encode())
+    found = sha256(repr((known, sorted(component.structure.items()), version("casadi"))).encode())
     for name, value in component.values.items() if values else ():
         array = np.asarray(value)
         found.update(repr((name, array.shape, array.dtype)).encode() + array.tobytes())
     return found.hexdigest()
+
+
+def of_class(kind: type) -> str | None:
+    """Return a hash of a class: its name and the sources that it uses; None where these are not known."""
+    package = sys.modules.get(kind.__module__.partition(".")[0])
+    if not getattr(package, "EQUATIONS_ARE_KEPT", False) or package is None or package.__file__ is None:
+        return None
+    sources = digest(Path(package.__file__).parent), digest(Path(__file__).parent)
+    return sha256(repr((kind.__module__, kind.__qualname__, sources)).encode()).hexdigest()
 
 
 @cache

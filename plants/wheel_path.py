@@ -6,14 +6,16 @@ points) and steps in curvature where an arc about a corner begins or where the c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import lru_cache
+from hashlib import sha256
 from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cosim.errors import ScenarioError
+from cosim.kept import kept, of_class
 
 from .patches import Patches, evaluate, fit
 from .path_table import Kink, table
@@ -57,14 +59,30 @@ def rolling_path(profile: Profile, R: float) -> WheelPath:
     """
     if not (isfinite(R) and R > 0):
         raise ScenarioError(f"a wheel rolls with a positive radius, not R = {R:g} m")
+    path = kept("path", _key(profile, R), lambda: _rolling_path(profile, R))
+    for array in (path.patches.start, path.patches.anchor, path.patches.c):
+        array.flags.writeable = False
+    return path
+
+
+def _key(profile: Profile, R: float) -> str | None:
+    """Return a hash of all that a path depends on; None for a profile that more belongs to than numbers, as a file."""
+    known = of_class(type(profile))
+    if known is None or not is_dataclass(profile):
+        return None
+    numbers = [getattr(profile, f.name) for f in fields(profile)]
+    if not all(n is None or isinstance(n, int | float) for n in numbers):
+        return None
+    return sha256(repr((known, numbers, R)).encode()).hexdigest()
+
+
+def _rolling_path(profile: Profile, R: float) -> WheelPath:
     found: list[Patches] = []
     corners: list[int] = []  # the patch after each meeting of two runs
     for stretch in stretches(profile, float(R)):
         found += [fit(part) for part in stretch.run.between(stretch.start, stretch.end)]
         corners.append(sum(p.start.size for p in found))
     patches = Patches(*(np.concatenate([getattr(p, name) for p in found]) for name in ("start", "anchor", "c")))
-    for array in (patches.start, patches.anchor, patches.c):
-        array.flags.writeable = False
     return WheelPath(float(R), patches, _kinks(patches, corners[:-1]))
 
 
