@@ -80,5 +80,5 @@ def measure(name: str, python: Path, files: Sequence[Path], step: float, steps: 
 def _reason(text: str) -> str:
     """Return the line of a tool's last words that says what is wrong."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    errors = [line for line in lines if "rror" in line]
+    errors = [line for line in lines if "error" in line.lower() and not line.startswith("note:")]
     return (errors or lines or ["it said nothing"])[-1][:200]
