@@ -3,8 +3,14 @@
 The robot of table 6.1 with the wheels of table 6.2 (0.83 kg of rubber, friction 0.8 and 0.3) rolls at 2 m/s against the
 ramp of 0.3 rad.  Three wheels: 1e5 N/m damped (zeta = 0.3), the same undamped, and the hard undamped one of chapter 6
 (2.8e6 N/m each).  Their material is calibrated once and is the same for every number of nodes.  Of the front axle: the
-peak of the normal force, its impulse until 20 ms and 100 ms after the first touch, how often it leaves the ground by
+peak of the normal force, its impulse until 20 ms and 300 ms after the first touch, how often it leaves the ground by
 then, and the rms difference of the force from that of the finest run, relative to its rms, over both spans.
+
+What was found: the damped wheel converges in everything, with the nodes by a factor of 5 to 8 per doubling, with the
+micro step at the first order of its dampers; undamped the micro step converges at second order.  The first contact
+converges for all.  The force of the hard wheel at an instant does not after 300 ms: it flies for 0.14 s between two
+contacts of 11 ms, and where it lands shifts by 2 ms between 32 and 64 nodes; impulses and the number of rebounds stay.
+Fewer than 4 points per node, or 16 nodes for the hard wheel, are too few: between them the ground is not felt.
 
     python benchmarks/full_order_convergence.py
 """
@@ -29,7 +35,7 @@ from plants.ring_press import calibrated, damped
 
 NODES, EACH, REFERENCE = (16, 32, 64, 128), 4, 64  # nodes; points per node; nodes that the material is calibrated with
 TICK, FOOT, SPEED, LOAD = NS // 10_000, 0.63, 2.0, 170 * 9.81 / 4
-TOUCH, SPANS = 7.4e-3, (0.02, 0.1)  # s: when the front wheels meet the ramp, and what is looked at from there
+TOUCH, SPANS = 7.4e-3, (0.02, 0.3)  # s: when the front wheels meet the ramp, and what is looked at from there
 WHEELS = {"1e5 N/m, zeta 0.3": (1e5, 1322.8), "1e5 N/m, undamped": (1e5, 0.0), "2.8e6 N/m, undamped": (2.8e6, 0.0)}
 
 
@@ -70,7 +76,7 @@ class Impact:
         return {
             "peak": float(np.max(self.force[:long])),
             "impulse_20ms": float(np.sum(self.force[first:short])) * TICK / NS,
-            "impulse_100ms": float(np.sum(self.force[first:long])) * TICK / NS,
+            "impulse_300ms": float(np.sum(self.force[first:long])) * TICK / NS,
             "rebounds": int(np.count_nonzero(np.diff(air.astype(int)) > 0)),
         }
 
@@ -84,8 +90,8 @@ class Impact:
         return found
 
 
-def impact(component: FullOrderRover) -> Impact:
-    """Run until the end of the longer span."""
+def impact(component: FullOrderRover, duration: float = TOUCH + SPANS[1]) -> Impact:
+    """Run until the end of the longer span, or for *duration* (s)."""
     fmu = fmus.instantiate(component)
     for name, value in settled(component, 0.0, 0.0, SPEED).items():
         fmu.set(name, value)
@@ -93,7 +99,7 @@ def impact(component: FullOrderRover) -> Impact:
     fmu.push()
     fmu.exit_initialization()
     force = []
-    for n in range(round((TOUCH + SPANS[1]) * NS) // TICK):
+    for n in range(round(duration * NS) // TICK):
         fmu.step(n * TICK, (n + 1) * TICK)
         force.append(float(np.sum(fmu.get("normal_force")[:2])))
     fmu.close()
@@ -102,13 +108,13 @@ def impact(component: FullOrderRover) -> Impact:
 
 def shown(console: Console, title: str, runs: dict[str, Impact]) -> dict[str, Any]:
     """Print a table of *runs*, the last of which is the finest, and return its figures."""
-    table = Table(title, "peak, N", "impulse 20 ms, N.s", "100 ms", "left the ground", "rms difference 20 ms", "100 ms")
+    table = Table(title, "peak, N", "impulse 20 ms, N.s", "300 ms", "left the ground", "rms difference 20 ms", "300 ms")
     finest, found = list(runs.values())[-1], {}
     for name, run in runs.items():
         figures, apart = run.figures, run.apart(finest)
         found[name] = figures | {"apart": apart}
         table.add_row(name, f"{figures['peak']:.0f}", f"{figures['impulse_20ms']:.2f}",
-                      f"{figures['impulse_100ms']:.1f}", f"{figures['rebounds']}",
+                      f"{figures['impulse_300ms']:.1f}", f"{figures['rebounds']}",
                       *(f"{100 * a:.2g} %" if a else "" for a in apart))  # fmt: skip
     console.print(table)
     return found
@@ -123,7 +129,7 @@ def main() -> None:
         runs = {f"{n} nodes": impact(rover(n, ring, min(micro, 2e-5))) for n in NODES}
         found[name] = {"nodes": shown(console, f"{name}; {min(micro, 2e-5):.2g} s", runs)}
         micro = TICK / NS / np.ceil(TICK / NS / longest(32, ring))
-        runs = {f"{micro / d:.3g} s": impact(rover(32, ring, micro / d)) for d in (1, 2, 4, 8, 16)}
+        runs = {f"{micro / d:.3g} s": impact(rover(32, ring, micro / d)) for d in (1, 2, 4, 8)}
         found[name]["micro step"] = shown(console, f"{name}; 32 nodes", runs)
         runs = {f"{p} points": impact(rover(32, ring, micro / 2, p)) for p in (1, 2, 4, 8)}
         found[name]["points"] = shown(console, f"{name}; 32 nodes", runs)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from pathlib import Path
-
 import numpy as np
-import pytest
 
 import fmus
+from benchmarks.full_order_numpy import numpy_rover, wheels_apart
 from cosim.clock import NS
 from plants.full_order import FullOrderRover
 from plants.full_order_ground import ground_table
@@ -19,17 +16,15 @@ STEP, MICRO, COUNT, SPEED = NS // 1000, 1e-4, 60, 2.0
 TORQUE = np.array([1.0, 2.0, 0.0, -1.0])
 
 
-def test_numpy_and_the_fmu_agree_over_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_numpy_and_the_fmu_agree_over_a_step() -> None:
     """Rings roll, stick and slide against a step of 30 mm, a mode shakes the hubs, gravity rises, motors pull."""
-    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
-    other = import_module("full_order_numpy")
     ground = ground_table(Step(0.72, 0.03))
     rover = FullOrderRover(
         nodes=8, points=16, seen=8, EA=600.0, wheel_shape=[[0.05], [-0.03], [0.04], [0.02]], damping=[0.02],
         micro_step=MICRO, gravity_time=0.05, ground_left=ground, ground_right=ground,
     )  # fmt: skip
     starts = rolling(rover, 0.0, 0.5, SPEED)
-    fmu, model = fmus.instantiate(rover), other.numpy_rover(rover, starts)
+    fmu, model = fmus.instantiate(rover), numpy_rover(rover, starts)
     for name, value in {**starts, "torque": TORQUE}.items():
         fmu.set(name, value)
     fmu.enter_initialization(0)
@@ -47,7 +42,7 @@ def test_numpy_and_the_fmu_agree_over_a_step(monkeypatch: pytest.MonkeyPatch) ->
     normal, friction, *_ = model.on_nodes(places, speeds, bristles, 0.0)  # the present
     seen = {name: np.hstack(list(v)) for name, v in (
         ("ring_nodes", places), ("ring_normal", normal), ("ring_friction", friction))}  # fmt: skip
-    for name, value in (other.wheels_apart(model.state) | seen).items():
+    for name, value in (wheels_apart(model.state) | seen).items():
         theirs = fmu.get(name)
         # 600 micro steps, each with a rounding of some 10 operations on numbers as large as these; a stiff contact and
         # friction amplify it: by some hundred, as neighbouring starts do (Lyapunov exponents of some 100 1/s)
