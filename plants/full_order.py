@@ -125,8 +125,8 @@ class FullOrderRover(FullOrderPorts):
             )
         if self.structure["seen"] not in (0, nodes):
             raise DeclarationError(
-                f"FullOrderRover.seen is {self.structure['seen']}, but of {nodes} nodes none or all are outputs; "
-                f"give 0 or {nodes}"
+                f"FullOrderRover.seen is {self.structure['seen']}, but of {nodes} nodes none or all are outputs; give "
+                f"0 or {nodes}"
             )
         limit = stable_step(self)
         if self.micro_step > limit:

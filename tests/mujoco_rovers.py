@@ -1,10 +1,10 @@
 """The robot in MuJoCo, somebody else's equations and solver: rigid wheels, or wheels on springs, on planes and boxes.
 
-Its contacts are soft: one that closes at v is slowed down like x'' + 2/T x' + x/(T z)^2 = 0, with the time constant T
-and the damping ratio z of ``solref``, and lets go where the force would pull.  With z = 1 that gives back e^-2 of v,
-with z = 10 less than v/400: a plastic impact.  Wheels are spheres, whose contact with a box's edge has the exact
-normal; in the plane they are the same as discs.  (A cylinder on an edge gets the normal of the box's face: that
-stops the robot.)
+Its contacts are soft: one that closes at v is slowed down like x'' + 2/T x' + x/(T z)^2 = 0, with the time constant
+T and the damping ratio z of ``solref``, and lets go where the force would pull.  With z = 1 that gives back e^-2 of v,
+with z = 10 less than v/400: a plastic impact.  Wheels are spheres, whose contact with the edge of a box has the exact
+normal; in the plane they are the same as discs.  (A cylinder on an edge gets the normal of the box's face, which stops
+the robot.)
 """
 
 from __future__ import annotations
