@@ -55,7 +55,8 @@ def share(material: Any, nodes: int) -> Share:
 def held(nodes: int) -> ca.Function:
     """Return (x, v, around, frame, material) -> (d, f, f_c, energy): a node and the rim; f_c is the dampers' part.
 
-    *x*, *v* (3,) in the world, *around* (2,) cosine and sine of where on the ring the node sits; the rest in body axes.
+    *x*, *v* (3,) in the world, *around* (2,) cosine and sine of where on the ring the node sits now; the rest in body
+    axes.
     """
     x, v, around = ca.SX.sym("x", 3), ca.SX.sym("v", 3), ca.SX.sym("around", 2)
     frame, material = ca.SX.sym("frame", FRAME), ca.SX.sym("material", len(MATERIAL))
@@ -63,8 +64,7 @@ def held(nodes: int) -> ca.Function:
     omega = frame[15:18] + ca.vertcat(0, frame[18], 0)  # of the rim
     d = turned.T @ (x - frame[9:12])
     rate = turned.T @ (v - frame[12:15]) - ca.cross(omega, d)
-    c, s = ca.cos(frame[19]), ca.sin(frame[19])
-    cosine, sine = c * around[0] - s * around[1], s * around[0] + c * around[1]
+    cosine, sine = around[0], around[1]
     axes: list[Any] = [ca.vertcat(sine, 0, cosine), ca.vertcat(cosine, 0, -sine), ca.vertcat(0, 1, 0)]
     off = [ca.dot(d, axes[0]) - material[0], ca.dot(d, axes[1]), d[1]]
     damped = -sum(of.c[i] * ca.dot(rate, axes[i]) * axes[i] for i in range(3))

@@ -37,7 +37,7 @@ def ring(nodes: int, points: int) -> Ring:
     x, v, z, rows, frame, material, contact, dt = given.values()
     cell = share(material, nodes).length / each
     d, f, f_c, e_held = held(nodes).map("held_all", "serial", nodes, [3, 4], [])(
-        x, v, ca.DM(around(nodes)), frame, material)  # fmt: skip
+        x, v, _turned(frame[19]) @ ca.DM(around(nodes)), frame, material)  # fmt: skip
     plane = d[[0, 2], :]
     f_before, f_here, f_after, e_hinge = hinge(nodes).map("hinges", "serial", nodes, [3], [])(
         shifted(plane, -1), plane, shifted(plane, 1), material)  # fmt: skip
@@ -55,6 +55,12 @@ def ring(nodes: int, points: int) -> Ring:
     bare = ca.Function("ring_energies", list(given.values()), stored)
     at_rest: Any = [*list(given.values())[:-1], 0]
     return Ring(forces, ca.Function("energies", list(given.values())[:-1], bare.call(at_rest)))
+
+
+def _turned(angle: Any) -> Any:
+    """Return the matrix (2, 2) that turns cosines and sines of nodes by *angle*: once per ring, not once per node."""
+    c, s = ca.cos(angle), ca.sin(angle)
+    return ca.blockcat([[c, -s], [s, c]])
 
 
 def _four(columns: Any) -> Any:
