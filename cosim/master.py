@@ -185,7 +185,7 @@ class _Run:
                 self.system.forget(saved)
         self.terminated = attempt.terminated
         self.accept(target)
-        if culprit or attempt.announced:
+        if (culprit and not discarded) or attempt.announced:
             self.event_at = target
         if culprit and not discarded and culprit not in attempt.announced:
             self.pending[culprit] = target
