@@ -30,6 +30,8 @@ class Extrapolated:
     one a step; a first step on held inputs is wrong by O(h^2) unless what is exchanged stands still there.  Who takes
     fewer derivatives of its inputs has a lower degree, down to holding them; a warning says so.
 
+    What a source shows has to be its value at the end of its step: a mean over the step is none, and is spoilt.
+
     It goes around ``Iterated``, and into ``Richardson``.  Raises CouplingError otherwise, and for another degree.
     """
 

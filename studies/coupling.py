@@ -127,12 +127,12 @@ def reference(case: Case, step: float) -> Trace:
     return _reference((case,), ticks(step, "the sampling step"))
 
 
-def coupled(case: Case, coupling: Coupling = "reduced") -> System:
-    """Return the body and the wheels of the case as FMUs, coupled; the wheels first."""
+def coupled(case: Case, coupling: Coupling = "reduced", *, smooth: bool = False) -> System:
+    """Return the body and the wheels of the case as FMUs, coupled; the wheels first.  *smooth* as for ``fmus.load``."""
     reduced = coupling.startswith("reduced")
-    body = fmus.instantiate(RigidBody(**case.body_values()), "body")
+    body = fmus.instantiate(RigidBody(**case.body_values()), "body", smooth=smooth)
     spring = SpringWheel(k_w=np.full(4, case.k_w), c_w=np.full(4, case.c_w))
-    wheels = fmus.instantiate(case.wheels() if reduced else spring, "wheels")
+    wheels = fmus.instantiate(case.wheels() if reduced else spring, "wheels", smooth=smooth)
     instances = {"wheels": wheels, "body": body}
     rover.apply(case.starts(), instances)
     connections = rover.wires({name: instance.variables for name, instance in instances.items()})
