@@ -168,8 +168,8 @@ def _notes(scenario: Scenario) -> tuple[str, ...]:
     if scenario.run.extrapolate:
         notes.append(
             "run.extrapolate spoils the reduced interface model (6e-3 m/s instead of 1.5e-5 over the first contact, "
-            "at a macro step of 1e-4 s on the ramp): the wheels give mean forces over a step, which are no values at its "
-            "end; extrapolate = 0 is what this assembly is made for"
+            "at a macro step of 1e-4 s on the ramp): the wheels give mean forces over a step, which are no values at "
+            "its end; extrapolate = 0 is what this assembly is made for"
         )
     return tuple(notes)
 
