@@ -107,7 +107,7 @@ def cofmupy(files, step, steps, folder):
             coordinator.do_step(step)
 
     taken = timed(go)
-    return taken, [float(coordinator.get_variable(n, "y")[0]) for n in NAMES], "cofmupy"
+    return taken, [float(coordinator.get_variable((n, "y"))[0]) for n in NAMES], "cofmupy"
 
 
 def pathsim(files, step, steps, folder):

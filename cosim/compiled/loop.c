@@ -44,7 +44,7 @@ static int failed(Loop *loop, int64_t component, int what, int status, double ti
     return FAILED;
 }
 
-static double seconds(int64_t ns)
+WRITTEN_OUT double seconds(int64_t ns)
 {
     return (double)ns / NS;
 }
@@ -64,12 +64,12 @@ static int64_t tick_at_or_after(double time)
 }
 
 /* where a component is, in s; a division takes as long as a step of a cheap FMU: mostly it is known */
-static double begin(const Loop *loop, const Component *c)
+WRITTEN_OUT double begin(const Loop *loop, const Component *c)
 {
     return c->time == loop->now ? loop->from : seconds(c->time);
 }
 
-static int feed(Loop *loop, int64_t i)
+WRITTEN_OUT int feed(Loop *loop, int64_t i)
 {
     Component *c = &loop->components[i];
     const double *values = loop->values;
@@ -90,7 +90,7 @@ static int feed(Loop *loop, int64_t i)
     return status > WARNING ? failed(loop, i, SETTING, status, seconds(c->time)) : OK;
 }
 
-static int collect(Loop *loop, int64_t i)
+WRITTEN_OUT int collect(Loop *loop, int64_t i)
 {
     Component *c = &loop->components[i];
     int status;
@@ -109,7 +109,7 @@ typedef struct {
     bool early, terminated;
 } Advance;
 
-static int step2(Loop *loop, int64_t i, Advance *advance)
+WRITTEN_OUT int step2(Loop *loop, int64_t i, Advance *advance)
 {
     Component *c = &loop->components[i];
     double t = begin(loop, c), reached = t;
@@ -126,7 +126,7 @@ static int step2(Loop *loop, int64_t i, Advance *advance)
     return advance->reached == NEVER ? failed(loop, i, NOWHERE, status, t) : OK;
 }
 
-static int step3(Loop *loop, int64_t i, int64_t end, Advance *advance)
+WRITTEN_OUT int step3(Loop *loop, int64_t i, int64_t end, Advance *advance)
 {
     Component *c = &loop->components[i];
     double t = begin(loop, c), to = loop->to;
@@ -161,7 +161,7 @@ static int step3(Loop *loop, int64_t i, int64_t end, Advance *advance)
 }
 
 /* OK, or why the attempt ends: EARLY, ENDED, STRAY, FAILED */
-static int step(Loop *loop, int64_t i, int64_t end)
+WRITTEN_OUT int step(Loop *loop, int64_t i, int64_t end)
 {
     Component *c = &loop->components[i];
     Advance advance = {end, false, false};
@@ -182,7 +182,7 @@ static int step(Loop *loop, int64_t i, int64_t end)
     return advance.terminated ? ENDED : EARLY;
 }
 
-static bool is_due(const Loop *loop, int64_t i, int64_t end)
+WRITTEN_OUT bool is_due(const Loop *loop, int64_t i, int64_t end)
 {
     int64_t every = loop->components[i].every; /* a remainder takes as long as a step of a cheap FMU: not where it is 1 */
     return every == 1 || end == loop->stop || (loop->k + 1) % every == 0;
