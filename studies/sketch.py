@@ -64,7 +64,8 @@ def _draw(axis: Any, result: Result, time: float, colour: list[float]) -> None:
     )
     axis.add_patch(Polygon(hull @ np.array([[c, s], [-s, c]]) + centre[[0, 2]], color=colour, alpha=0.55, linewidth=0))
     wheels, normals = record["body.wheel_centre"][at], record["body.contact_normal"][at]
-    forces = record["wheels.normal_force"]
+    forces = result.signal("wheels.normal_force")
+    assert forces is not None
     for k in (1, 3, 0, 2):  # the right side behind the left one
         axis.add_patch(Circle(wheels[k, [0, 2]], bot.R, facecolor="#3a3a40", edgecolor="white", linewidth=0.6))
         size = min(_LONGEST, 4 * _QUARTER * forces[at, k] / (bot.m * G))

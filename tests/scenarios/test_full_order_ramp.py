@@ -11,7 +11,9 @@ from cosim.errors import ScenarioError
 from studies.assembly import assemble
 from studies.catalog import find_scenario
 from studies.metrics import as_mapping
+from studies.picture import drawable
 from studies.runner import Result, execute
+from studies.sketch import instants, sketch
 
 FILE = find_scenario("full-order-ramp")
 SHORT = FILE.overrides(["run.duration=0.45"])  # s; the impact is at 0.3 s, 0.6 m at 2 m/s
@@ -60,6 +62,13 @@ def test_within_friction_and_open_loop_they_rebound(variant: str) -> None:
 def test_unlimited_forces_played_back_throw_the_robot_off() -> None:
     """One axle in the air leaves the other's 245 kN alone, 1400 m/s2: more than 10 m/s in less than 20 ms."""
     assert max(-verdict("playback")["speed_min"], verdict("playback")["speed_max"]) > 10
+
+
+def test_it_is_drawn_like_any_rover() -> None:
+    """Pictures and sketches ask for the ports of wheels."""
+    assert drawable([run("pd")])
+    assert "largest front force" in instants(run("pd"))
+    assert sketch([run("pd")]) is not None
 
 
 def test_wheels_and_drives_of_others_are_refused() -> None:
