@@ -16,8 +16,8 @@ from rerun.chunk import RrdReader
 from cosim.errors import ScenarioError, nearest
 from cosim.variable import Variable
 
-from .drawing import own_wheels
 from .panels import DECISIVE, MOTION, Panel
+from .parts import Ports
 from .ports import entity
 from .questions import QUESTIONS, Camera, Look, health, impact, plot, scene, shock, smoothness
 from .read import properties
@@ -33,8 +33,8 @@ def run_blueprint(ports: Mapping[str, Variable], look: Look | None = None) -> rr
     Without a camera in *look* the run has no scene, and plots made from its ports stand in front.
     """
     look = look or Look()
-    names = answered(ports)
-    tabs = [_ARRANGED[name](ports, look) for name in names]
+    names = answered(ports, look)
+    tabs = [_ARRANGED[name](Ports(ports), look) for name in names]
     if look.camera is None:
         names, tabs = ["all ports", *names], [rrb.Grid(*_plots_of(ports), grid_columns=2), *tabs]
     for name, tab in zip(names, tabs, strict=True):
@@ -43,11 +43,12 @@ def run_blueprint(ports: Mapping[str, Variable], look: Look | None = None) -> rr
     return _arranged(rrb.Tabs(*tabs, active_tab=front))
 
 
-def answered(ports: Iterable[str]) -> list[str]:
-    """Return the QUESTIONS that a run with these output *ports* can answer."""
+def answered(ports: Iterable[str], look: Look | None = None) -> list[str]:
+    """Return the QUESTIONS that a run with these output *ports*, and the drawings of *look*, can answer."""
     needed = {"impact": "wheels.normal_force", "smoothness": "body.jerk_body", "shock": "chassis.acceleration"}
-    known = set(ports)
-    return [name for name in QUESTIONS if name not in needed or {needed[name], own_wheels(needed[name])} & known]
+    known = Ports(ports)
+    drawn = {"smoothness"} if look is not None and "jerk" in look.captions else set()
+    return [name for name in QUESTIONS if name in drawn or name not in needed or needed[name] in known]
 
 
 def question(name: str, ports: Iterable[str], look: Look | None = None) -> rrb.Blueprint:
@@ -55,8 +56,8 @@ def question(name: str, ports: Iterable[str], look: Look | None = None) -> rrb.B
 
     Raises ScenarioError for a question that there is none of, or that the *ports* do not answer.
     """
-    known = {port: None for port in ports}
-    if name not in (possible := answered(known)):
+    known = Ports(ports)
+    if name not in (possible := answered(known, look)):
         raise ScenarioError(f"this log has no view {name!r}; {nearest(name, possible)}")
     return _arranged(_ARRANGED[name](known, look or Look()))
 
@@ -77,7 +78,7 @@ def comparison_blueprint(variants: list[str], ports: Iterable[str], camera: Came
 
     Each variant has one colour in every plot and in the scene.
     """
-    known = set(ports)
+    known = Ports(ports)
 
     def rows(panels: Iterable[Panel]) -> list[Any]:
         found: list[Any] = []

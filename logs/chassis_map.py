@@ -17,6 +17,7 @@ import rerun as rr
 from cosim.system import System
 
 from .drawing import Drawing, Frames, Read, nice
+from .parts import by_parts
 from .ports import index
 
 SHOWN = 8  # modes
@@ -159,7 +160,7 @@ class Spectra(Drawing):
     """
 
     def __init__(self, time: Callable[[], np.ndarray], signal: Callable[[str], np.ndarray | None], top: float) -> None:
-        self.time, self.signal, self.top = time, signal, top
+        self.time, self.signal, self.top = time, by_parts(signal), top
 
     def finished(self, recording: Any) -> None:
         values = self.signal("chassis.acceleration")

@@ -27,6 +27,7 @@ from cosim.errors import ScenarioError, nearest
 
 from .blueprint import Camera, comparison_blueprint
 from .panels import PANELS
+from .parts import Ports, Read, by_parts
 from .ports import entity, scalars
 from .read import Signal, properties, signals
 from .scene import painted
@@ -144,16 +145,21 @@ def _differences(base: Mapping[str, Signal], other: Mapping[str, Signal], varian
 def _overlaid(variant: str, number: int, found: Mapping[str, Signal], base: Mapping[str, Signal]) -> Iterable[Chunk]:
     paint: dict[str, Any] = {"colors": [colour(number)], "widths": [1.5]}
     for panel in PANELS:
-        curve = panel.read(lambda port: found[port].values if port in found else None)
+        curve = panel.read(_values(found))
         if curve is None:
             continue
-        of = found[panel.port]
+        of = found[Ports(found).at(panel.port)]
         about: tuple[list[str], str, str] = ([variant], panel.unit, panel.title)
         yield from _series(of.ns, curve[:, None], f"/overlay/{panel.key}{_at(variant, '')}", *about, **paint)
-        first = panel.read(lambda port: base[port].values if port in base else None)
+        first = panel.read(_values(base))
         if number and first is not None:
-            ns, values = difference(base[panel.port].ns, first[:, None], of.ns, curve[:, None])
+            ns, values = difference(base[Ports(base).at(panel.port)].ns, first[:, None], of.ns, curve[:, None])
             yield from _series(ns, values, f"/overlay_diff/{panel.key}{_at(variant, '')}", *about, **paint)
+
+
+def _values(found: Mapping[str, Signal]) -> Read:
+    """Return who reads the values of signals, by part."""
+    return by_parts(lambda port: found[port].values if port in found else None)
 
 
 def _painted(path: Path, variant: str, number: int) -> Iterable[Chunk]:

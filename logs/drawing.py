@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from cosim.system import System
 
-Read = Callable[[str], "np.ndarray | None"]
-
-
-def own_wheels(port: str) -> str:
-    """Return the name that a port of wheels has at a robot whose wheels are part of it."""
-    return f"body.{port.removeprefix('wheels.')}" if port.startswith("wheels.") else port
+from .parts import Read, by_parts
 
 
 class Drawing:
@@ -41,16 +36,15 @@ class Drawings(Drawing):
             part.started(recording, system)
 
     def emit(self, recording: Any, ns: np.ndarray, step: np.ndarray, read: Read) -> None:
-        def found(port: str) -> np.ndarray | None:
-            values = read(port)
-            return read(own_wheels(port)) if values is None else values
-
         for part in self.parts:
-            part.emit(recording, ns, step, found)
+            part.emit(recording, ns, step, by_parts(read))
 
     def finished(self, recording: Any) -> None:
         for part in self.parts:
             part.finished(recording)
+
+
+__all__ = ["Drawing", "Drawings", "Frames", "Read", "nice"]
 
 
 class Frames:

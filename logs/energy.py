@@ -1,10 +1,11 @@
-"""Whether the energy balance of a co-simulated rover closes: what the master's splitting in steps adds or takes.
+"""Whether the energy balance of a co-simulated rover closes: what the splitting in steps adds or takes.
 
-    residual = E(t) - E(0) - W(t),   E = kinetic + potential + stored in the wheels + lost in them,
-    W = work of traction, lateral force, external force and moment on the body
+    residual = E(t) - E(0) - W(t),   E = kinetic + potential + stored in wheels and contacts + lost in them,
+    W = work of traction, lateral force, external force and moment on the body; or what the body itself accounts for
 
 Normal forces are no work: what they take from the body is in the wheels.  The chassis moves one way and takes none.
-The forces are means over a step; their work is taken with the mean of the velocities at its ends.
+The forces are means over a step; their work is taken with the mean of the velocities at its ends.  A robot whose
+wheels and chassis are part of its body has them in its energies, and counts the work itself: ``body.work``.
 """
 
 from __future__ import annotations
@@ -51,16 +52,22 @@ class EnergyResidual(Drawing):
         parts = [read(port) for port in _STORED]
         if any(p is None for p in parts) or any(read(port) is None for port in _NEEDED):
             return None
-        energy = np.sum([p for p in parts if p is not None], axis=0)
+        energy = np.sum([p for p in [*parts, read("body.contact_energy")] if p is not None], axis=0)
+        own = read("body.work")
+        work = self._done(ns, read) if own is None else own
+        if self._start is None:
+            self._start = float(energy[0] - work[0])
+        return np.asarray(energy - self._start - work)
+
+    def _done(self, ns: np.ndarray, read: Read) -> np.ndarray:
+        """Return the work (n,) in J of the forces on the body since the start."""
         velocities, forces = self._velocities(read), self._forces(read)
         before_ns, before = self._power or (int(ns[0]), velocities[0])
         mean = (velocities + np.concatenate([before[None], velocities[:-1]])) / 2
         dt = np.diff(ns, prepend=before_ns) * 1e-9
         work = self._work + np.cumsum(np.einsum("ij,ij->i", forces, mean) * dt)
         self._work, self._power = float(work[-1]), (int(ns[-1]), velocities[-1])
-        if self._start is None:
-            self._start = float(energy[0] - work[0])
-        return np.asarray(energy - self._start - work)
+        return np.asarray(work)
 
     def _velocities(self, read: Read) -> np.ndarray:
         """Return the velocities that the forces of `_forces` work along, (n, 14), world axes, rates in body axes."""

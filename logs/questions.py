@@ -9,14 +9,14 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from .drawing import own_wheels
 from .energy import RESIDUAL
+from .jerk import JERK
+from .parts import Ports
 from .ports import entity
 from .states import TOTAL
 from .style import WHEEL_COLOURS, WHEELS, Colour, colour, pale
 
 QUESTIONS = ("impact", "smoothness", "shock", "health")
-Ports = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Look:
     """How a log opens: at which of QUESTIONS (*view*), with a *camera* if there is a scene, and captions of drawings.
 
     *captions* name the drawings that the log has: ``scene``, ``chassis``, ``modes``, ``spectrum``, ``contact``,
-    ``energy``, ``diagram``, each with what must be known to read it; ``unlimited`` is there if friction has no limit.
+    ``energy``, ``jerk``, ``diagram``, each with what must be known to read it; ``unlimited``: friction has no limit.
     """
 
     view: str = "impact"
@@ -77,13 +77,15 @@ def impact(ports: Ports, look: Look) -> Any:
 
 def smoothness(ports: Ports, look: Look) -> Any:
     """How smoothly the body moves: three jerks, slope, ideal and applied force."""
-    forces = {entity("controller.ideal_force"): ("ideal: without normal jerk", (42, 157, 74), "controller.ideal_force")}
-    shown = {path: style for path, style in forces.items() if style[2] in ports}
-    overrides = {f"/{p}": rr.SeriesLines(names=[s[0]], colors=[s[1]], widths=[1.5]) for p, s in shown.items()}
-    applied = [TOTAL] if {"wheels.traction", own_wheels("wheels.traction")} & set(ports) else []
+    ideal = "controller.ideal_force"
+    shown = [entity(ideal)] if ideal in ports else []
+    line = rr.SeriesLines(names=["ideal: without normal jerk"], colors=[(42, 157, 74)], widths=[1.5])
+    overrides = {f"/{path}": line for path in shown}
+    applied = [TOTAL] if "wheels.traction" in ports else []
     force = plot("ideal and applied force, all wheels [N]", [*shown, *applied], legend=True, overrides=overrides)
     plots = [
         named("jerk of the body's components [m/s3]", ports, "body.jerk_body", ["x", "y", "z"]),
+        plot(look.captions["jerk"], [JERK], legend=True) if "jerk" in look.captions else None,
         named("jerk vector, in body axes [m/s3]", ports, "body.jerk_inertial", ["x", "y", "z"]),
         named("vertical jerk of the thesis, 4.54 [m/s3]", ports, "body.jerk_thesis", ["jerk_thesis"]),
         force if shown or applied else None,
@@ -114,10 +116,11 @@ def shock(ports: Ports, look: Look) -> Any:
 
 def health(ports: Ports, look: Look) -> Any:
     """Whether the co-simulation can be trusted: gap mismatch, energy, step size, wall time, and how it is coupled."""
-    rover = {"body.gap", "wheels.deformation"} <= set(ports)
+    twice = {"body.gap", "wheels.deformation"} <= ports.names
+    added = look.captions.get("energy") or "what the splitting adds"
     plots = [
-        plot("wheel and body disagree about the gap by [m]", ["master/gap_mismatch"]) if rover else None,
-        plot("energy residual [J]: what the splitting adds", [RESIDUAL]) if "energy" in look.captions else None,
+        plot("wheel and body disagree about the gap by [m]", ["master/gap_mismatch"]) if twice else None,
+        plot(f"energy residual [J]: {added}", [RESIDUAL]) if "energy" in look.captions else None,
         plot("macro step [s], shorter before an event", ["master/step_size"]),
         plot("wall time of a step [s]", ["master/wall"]),
     ]
@@ -141,7 +144,7 @@ def stations(ports: Ports, look: Look) -> Any:
     names = [f"{k + 1} ({w})" for k, (w, _) in enumerate(wheel)]
     lines = _lines(names, [c for _, c in wheel], 1.0, [k in above for k in range(20)])
     title = "acceleration at the stations above the wheels, in their colours [m/s2]"
-    return plot(title, [entity(port)], overrides={f"/{entity(port)}": lines})
+    return plot(title, [place(ports, port)], overrides={f"/{place(ports, port)}": lines})
 
 
 def energies(ports: Ports) -> Any:
@@ -150,10 +153,10 @@ def energies(ports: Ports) -> Any:
     if not all(port in ports for port in both):
         return None
     overrides = {
-        f"/{entity(port)}": rr.SeriesLines(names=[name], colors=[colour(i)], widths=[1.2])
+        f"/{place(ports, port)}": rr.SeriesLines(names=[name], colors=[colour(i)], widths=[1.2])
         for i, (port, name) in enumerate(both.items())
     }
-    return plot("elastic energy of the chassis [J]", [entity(p) for p in both], legend=True, overrides=overrides)
+    return plot("elastic energy of the chassis [J]", [place(ports, p) for p in both], legend=True, overrides=overrides)
 
 
 def beside(left: Any, plots: list[Any], shares: tuple[float, float] = (2, 3), columns: int = 2) -> Any:
@@ -192,6 +195,11 @@ def scene(camera: Camera, roots: list[str], what: str) -> rrb.Spatial3DView:
     )
 
 
+def place(ports: Ports, port: str) -> str:
+    """Return the entity of a port."""
+    return entity(ports.at(port))
+
+
 def plot(name: str, entities: list[str], *, legend: bool = False, overrides: Any = None) -> rrb.TimeSeriesView:
     """Return a plot of *entities* over the time that all plots share."""
     return rrb.TimeSeriesView(
@@ -204,16 +212,15 @@ def wheels(
     name: str, ports: Ports, port: str, limit: str = "", at: tuple[int, ...] = (0, 1, 2, 3), *, legend: bool = False
 ) -> rrb.TimeSeriesView | None:
     """Return the plot of the wheels *at* of a port with one value per wheel, its *limit* in pale colours behind it."""
-    port, limit = (p if p in ports else own_wheels(p) for p in (port, limit))
     if port not in ports:
         return None
     seen = [k in at for k in range(len(WHEELS))]
     strong: list[Colour] = list(WHEEL_COLOURS)
-    overrides = {f"/{entity(port)}": _lines(list(WHEELS), strong, 1.5, seen)}
+    overrides = {f"/{place(ports, port)}": _lines(list(WHEELS), strong, 1.5, seen)}
     if limit in ports:
         faint = [pale(c) for c in WHEEL_COLOURS]
-        overrides[f"/{entity(limit)}"] = _lines([f"limit {w}" for w in WHEELS], faint, 1.0, seen)
-    return plot(name, [entity(p) for p in (limit, port) if p in ports], legend=legend, overrides=overrides)
+        overrides[f"/{place(ports, limit)}"] = _lines([f"limit {w}" for w in WHEELS], faint, 1.0, seen)
+    return plot(name, [place(ports, p) for p in (limit, port) if p in ports], legend=legend, overrides=overrides)
 
 
 def _lines(names: list[str], colours: list[Colour], width: float, seen: list[bool]) -> rr.SeriesLines:
@@ -225,5 +232,5 @@ def named(name: str, ports: Ports, port: str, names: list[str]) -> rrb.TimeSerie
     if port not in ports:
         return None
     colours = [colour(i) for i in range(len(names))]
-    overrides = {f"/{entity(port)}": rr.SeriesLines(names=names, colors=colours)} if names else None
-    return plot(name, [entity(port)], legend=len(names) > 1, overrides=overrides)
+    overrides = {f"/{place(ports, port)}": rr.SeriesLines(names=names, colors=colours)} if names else None
+    return plot(name, [place(ports, port)], legend=len(names) > 1, overrides=overrides)

@@ -40,7 +40,8 @@ class Scene(Drawing):
     *L_f*, *L_r* are the distances of the axles from the centre of mass, *h* its height above the ground;
     *force_scale* is the length of a force's arrow in m per N; no arrow is longer than LONGEST radii of a wheel.
     *flattening* exaggerates the deformation of the tyres (see `tyre`), *shoulder* is the ground beside the tracks in m;
-    *limited* tells whether friction has a limit worth drawing.
+    *limited* tells whether friction has a limit worth drawing, *at_centre* whether what acts along the ground acts at
+    the centres of the wheels.
     """
 
     R: float
@@ -54,6 +55,7 @@ class Scene(Drawing):
     interval: float = 2e-3  # s between frames
     flattening: float = 1.0
     limited: bool = True
+    at_centre: bool = False
     shoulder: float = 0.3
     root: str = "world"
     _frames: Frames = field(init=False, repr=False)
@@ -162,16 +164,17 @@ class Scene(Drawing):
         return angles
 
     def _forces(self, send: Send, centres: np.ndarray, axles: np.ndarray, read: Read) -> None:
-        """Draw the forces of the ground on the wheels, from the contact, beside the tyre that would hide them."""
+        """Draw the forces of the ground on the wheels, from where they act, beside the tyre that would hide them."""
         normals, ahead = np.asarray(read("body.contact_normal")), read("body.traction_direction")
-        foot = centres - self.R * normals + LEFT[None, :, None] * axles * (0.6 * self._width)
+        beside = centres + LEFT[None, :, None] * axles * (0.6 * self._width)
+        foot = beside - self.R * normals
         n = len(foot)
 
         def arrows(what: str, force: np.ndarray, paint: Colour, radius: float, aside: float = 0.0) -> None:
             vectors = self.force_scale * force
             size = np.linalg.norm(vectors, axis=2, keepdims=True)
             vectors = vectors * np.minimum(1.0, LONGEST * self.R / np.maximum(size, 1e-12))
-            origins = foot + LEFT[None, :, None] * axles * aside
+            origins = (beside if self.at_centre and what != "normal" else foot) + LEFT[None, :, None] * axles * aside
             send(f"forces/{what}", rr.Arrows3D.columns(
                 origins=origins.reshape(-1, 3), vectors=vectors.reshape(-1, 3), colors=[paint] * (4 * n),
                 radii=[radius * self.R] * (4 * n),
@@ -234,7 +237,9 @@ def painted(colour: Colour, *, ghost: bool) -> dict[str, Any]:
                 albedo_factor=[(*colour, 0)]
             )  # two discs in one place would flicker
             wheels[f"robot/wheel_{wheel}/spoke"] = rr.Boxes3D.columns(colors=[colour])
-    forces = {f"forces/{what}": rr.Arrows3D.columns(colors=[colour]) for what in ("normal", "traction")}
+    for wheel in WHEELS:
+        wheels[f"robot/ring_{wheel}"] = rr.LineStrips3D.columns(colors=[colour])
+    forces = {f"forces/{what}": rr.Arrows3D.columns(colors=[colour]) for what in ("normal", "traction", "friction")}
     forces["forces/limit"] = rr.Arrows3D.columns(colors=[pale(colour)])
     return {**body, **wheels, **forces, "flights": rr.Points3D.columns(colors=[colour])}
 

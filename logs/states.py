@@ -20,9 +20,13 @@ TOTAL = "derived/total_traction"
 
 
 class ContactStates(Drawing):
-    """The state of each wheel at its changes only, and the sum of the tractions at every step."""
+    """The state of each wheel at its changes only, and the sum of the tractions at every step.
 
-    def __init__(self) -> None:
+    *limited* tells whether friction has a limit that a wheel could be at.
+    """
+
+    def __init__(self, *, limited: bool = True) -> None:
+        self.limited = limited
         self._last = [""] * len(WHEELS)
 
     def started(self, recording: Any, system: System) -> None:
@@ -40,7 +44,7 @@ class ContactStates(Drawing):
         if contact is None:
             return
         state = np.where(contact > 0.5, 1, 0)
-        if traction is not None and limit is not None:
+        if self.limited and traction is not None and limit is not None:
             state[(state == 1) & (limit > 0) & (np.abs(traction) >= SHARE * limit)] = 2
         names = np.array([FLIES, TOUCHES, LIMIT])
         for k, wheel in enumerate(WHEELS):

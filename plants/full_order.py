@@ -17,7 +17,7 @@ from cosim import DeclarationError, parameter, state, structural, table
 
 from .contact import COLUMNS as PATH_COLUMNS
 from .full_order_accounts import energies, momenta
-from .full_order_outputs import rings_seen
+from .full_order_outputs import chassis_seen, rings_seen
 from .full_order_ports import NAMES, FullOrderPorts, packed, seen
 from .full_order_step import frames, micro_step, rotation, turning
 from .rigid_body import LEVEL, wheel_centres
@@ -43,6 +43,7 @@ class FullOrderRover(FullOrderPorts):
     nodes = structural(32, "nodes of each ring")
     points = structural(128, "points of each ring that meet the ground, a multiple of the nodes")
     modes = structural(1, "number of elastic modes of the chassis")
+    stations = structural(0, "stations on the chassis whose acceleration is an output")
     seen = structural(0, "nodes of each ring whose places and forces are outputs: none or all of them")
 
     m = parameter(170.0, "kg", "mass of the body, rims included")
@@ -72,6 +73,7 @@ class FullOrderRover(FullOrderPorts):
     frequency = parameter(25.0, "Hz", "undamped natural frequencies", shape="modes")
     damping = parameter(5e-5, "1", "damping ratios", shape="modes")
     wheel_shape = parameter(0.0, "1", "vertical mode shapes at the hubs, mass-normalised (kg^-1/2)", shape=(4, "modes"))
+    station_shape = parameter(0.0, "1", "the same at the stations", shape=("stations", "modes"))
     micro_step = parameter(1e-5, "s", "longest step inside a communication step")
     ground_left = table(COLUMNS, "ground of the left track", start=_LEVEL)
     ground_right = table(COLUMNS, "ground of the right track", start=_LEVEL)
@@ -106,6 +108,7 @@ class FullOrderRover(FullOrderPorts):
     elapsed = state(0.0, "s", "time since the step began")
     v_begun = state([0.0] * 3, "m/s", "velocity when the step began")
     rate_begun = state([0.0] * 3, "rad/s", "angular velocity then, body axes")
+    modal_begun = state(0.0, "m/s", "modal rates then (m kg^1/2 / s)", shape="modes")
     push = state(0.0, "N", "normal force of the ground on each node", shape=(4, "nodes"))
     pull = state(0.0, "N", "friction on each node", shape=(4, "nodes"))
     damped = state(0.0, "J", "energy lost in dampers since the start")
@@ -149,7 +152,8 @@ class FullOrderRover(FullOrderPorts):
         none = ca.MX.zeros(4)
         _, omega = turning()(s.q, s.H, s.spin, s.inertia, s.J_w)
         return {"q": s.q / ca.norm_2(s.q), "normal_sum": none, "traction_sum": none, "lateral_sum": none,
-                "axle_sum": ca.MX.zeros(4, 3), "elapsed": 0, "v_begun": s.v, "rate_begun": omega}  # fmt: skip
+                "axle_sum": ca.MX.zeros(4, 3), "elapsed": 0, "v_begun": s.v, "rate_begun": omega,
+                "modal_begun": s.modal_rate}  # fmt: skip
 
     def flow(s: Any) -> dict[str, Any]:
         return micro_step(s)
@@ -174,7 +178,8 @@ class FullOrderRover(FullOrderPorts):
             "axle_force": axle, "wheel_force": axle[:, 2],
             "contact": s.pressing > 0, "wheel_centre": frame[9:12, :].T, "stable_step": _stable(s),
             **found, "deformation": found["gap"], "deformation_rate": found["gap_rate"],
-            **energies(s, omega, frame), **momenta(s), **rings_seen(s, frame),
+            **energies(s, omega, frame), **momenta(s), **chassis_seen(s, ca.if_else(began, 1 / span, 0)),
+            **rings_seen(s, frame),
         }  # fmt: skip
 
 

@@ -108,6 +108,9 @@ def energies(s: Any, omega: Any, frame: Any) -> dict[str, Any]:
         "kinetic_energy": (moving + rings) / 2,
         "elastic_energy": modal + sum(o[0] for o in of),
         "contact_energy": sum(o[1] for o in of),
+        "potential_energy": -s.fallen,
+        "dissipated_energy": s.damped + s.slid,
+        "work": s.worked,
     }
 
 

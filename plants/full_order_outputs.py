@@ -1,7 +1,8 @@
-"""Where the nodes of the rings are and what the ground does to each: outputs for whoever looks closer at a run."""
+"""What the chassis does, where the nodes of the rings are and what the ground does to each: for who looks closer."""
 
 from __future__ import annotations
 
+from math import pi
 from typing import Any
 
 import casadi as ca
@@ -11,6 +12,19 @@ from .ring import CONTACT, MATERIAL
 from .ring_wheel import ring
 
 RINGS = ("ring_nodes", "ring_normal", "ring_friction")
+
+
+def chassis_seen(s: Any, rate: Any) -> dict[str, Any]:
+    """Return the outputs of the chassis, as those of `ChassisModal`; *rate* is one over the time since the step began.
+
+    The acceleration is the mean over the step, as that of the body is: the forces inside a step are not constant.
+    """
+    return {
+        "station_acceleration": s.station_shape @ ((s.modal_rate - s.modal_begun) * rate),
+        "modal_displacement": s.modal_q,
+        "strain_energy": ca.sumsqr(2 * pi * s.frequency * s.modal_q) / 2,
+        "elastic_kinetic_energy": ca.sumsqr(s.modal_rate) / 2,
+    }
 
 
 def rings_seen(s: Any, frame: Any) -> dict[str, Any]:

@@ -69,9 +69,17 @@ class FullOrderPorts(Component):
     ring_normal = output("N", "normal force of the ground on each, world", shape=("seen", 12))
     ring_friction = output("N", "friction of the ground on each, world", shape=("seen", 12))
 
+    station_acceleration = output("m/s2", "mean elastic acceleration at the stations, upwards", shape="stations")
+    modal_displacement = output("m", "modal coordinates (m kg^1/2)", shape="modes")
+    strain_energy = output("J", "energy stored in the elastic modes")
+    elastic_kinetic_energy = output("J", "kinetic energy of the elastic modes")
+
     kinetic_energy = output("J", "kinetic energy of body, rims, rings and modes")
+    potential_energy = output("J", "work against gravity since the start")
     elastic_energy = output("J", "energy stored in rings and modes")
     contact_energy = output("J", "energy stored in contacts and bristles")
+    dissipated_energy = output("J", "energy lost in dampers and friction since the start")
+    work = output("J", "work of motors, of what is laid on and of external forces since the start")
     momentum = output("N.s", "linear momentum, world", shape=3)
     angular_momentum = output("N.m.s", "angular momentum about the world's origin", shape=3)
     stable_step = output("s", "longest micro step that is stable for these parameters")

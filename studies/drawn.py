@@ -13,6 +13,7 @@ from logs.chassis_map import ChassisMap, Spectra, scales
 from logs.diagram import Diagram
 from logs.drawing import Drawing, Drawings, nice
 from logs.energy import EnergyResidual
+from logs.jerk import WINDOW, MeanJerk
 from logs.questions import QUESTIONS, Camera, Look
 from logs.recorder import Read
 from logs.rings import RingScene
@@ -43,12 +44,15 @@ def drawn(assembly: Assembly, instances: dict[str, Instance], record: Record) ->
     view = camera(assembly)
     if view is not None:
         shown = scene(assembly)
-        parts += [shown, ContactStates()]
-        captions |= {"scene": shown.caption, "contact": ""}
-        if "wheels" in assembly.components:  # there is a splitting that could add energy
-            parts.append(EnergyResidual(_arm(assembly)))
-            captions |= {"energy": ""}
+        whole = isinstance(assembly.components.get("body"), FullOrderRover)
+        adds = "micro steps add" if whole else "the splitting adds"
+        arm = 0.0 if shown.at_centre else shown.R
+        parts += [shown, ContactStates(limited=shown.limited), EnergyResidual(arm)]
+        captions |= {"scene": shown.caption, "contact": "", "energy": f"what {adds}"}
         captions |= {} if shown.limited else {"unlimited": ""}
+        if whole:
+            parts.append(MeanJerk(lambda: record.time, record.get))
+            captions |= {"jerk": f"jerk of the body's components, over {1e3 * WINDOW:g} ms [m/s3]"}
     plate = chassis(assembly)
     if plate is not None:
         top = 1.1 * float(plate.frequency.max())
@@ -93,7 +97,7 @@ def scene(assembly: Assembly) -> Scene:
     return (RingScene if rings else Scene)(
         bot.R, bot.half_track, bot.L_f, bot.L_r, bot.h, left, right, scale * (NODE_ARROW if rings else 1),
         _interval(assembly), flattening=_flattening(assembly, bot), limited=_grip(assembly) < GRIP,
-        shoulder=ASIDE if _steers(assembly) else 3 * bot.R,
+        shoulder=ASIDE if _steers(assembly) else 3 * bot.R, at_centre=_at_centre(body),
     )  # fmt: skip
 
 
@@ -108,7 +112,9 @@ def _steers(assembly: Assembly) -> bool:
 
 def _grip(assembly: Assembly) -> float:
     """Return the coefficient of friction, 0 where it is not known."""
-    wheels = assembly.components.get("wheels")
+    body, wheels = assembly.components.get("body"), assembly.components.get("wheels")
+    if isinstance(body, FullOrderRover):  # what is laid on has no limit
+        return GRIP if body.values["laid_on"] > 0 else float(body.values["mu_s"])
     return float(np.max(wheels.values.get("mu", 0.0))) if isinstance(wheels, Component) else 0.0
 
 
@@ -126,8 +132,10 @@ def _flattening(assembly: Assembly, bot: Robot) -> float:
 
 def chassis(assembly: Assembly) -> ChassisMap | None:
     """Return the map of a flexible chassis with the stations of the default one; None for another."""
-    part, bot = assembly.components.get("chassis"), assembly.robot
-    if bot is None or not isinstance(part, Component) or "station_shape" not in part.values:
+    bot = assembly.robot
+    held = (assembly.components.get(name) for name in ("chassis", "body"))
+    part = next((p for p in held if isinstance(p, Component) and "station_shape" in p.values), None)
+    if bot is None or part is None:
         return None
     shape, frequency = part.values["station_shape"], np.ravel(part.values["frequency"])
     if len(shape) != ROWS * COLUMNS:
@@ -138,11 +146,9 @@ def chassis(assembly: Assembly) -> ChassisMap | None:
     )
 
 
-def _arm(assembly: Assembly) -> float:
-    """Return how far below the wheels' centres traction acts, in m."""
-    body = assembly.components.get("body")
-    at_centre = isinstance(body, Component) and body.values.get("traction_arm") == "centre"
-    return 0.0 if at_centre or assembly.robot is None else assembly.robot.R
+def _at_centre(body: Component | str | None) -> bool:
+    """Return whether traction acts at the wheels' centres, not at the ground."""
+    return isinstance(body, Component) and body.structure.get("traction_arm") == "centre"
 
 
 def gap_mismatch(instances: dict[str, Instance]) -> Any:

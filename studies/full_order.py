@@ -20,8 +20,6 @@ from plants.full_order_start import rolling, settled
 from plants.ground import Ground
 from plants.rover import Stance
 
-from .metrics import Signals
-
 TYPE = FullOrderRover.__name__
 _WHEELS = ("k_w", "c_w", "mu")  # what is taken from the slot of the wheels
 _LEVEL = 1e-9  # m
@@ -75,15 +73,3 @@ def start_values(rover: FullOrderRover, ground: Ground, stance: Stance) -> dict[
     else:
         found = settled(rover, stance.x, level, stance.speed)
     return {f"body.{name}": value for name, value in found.items()}
-
-
-def as_wheels(read: Signals) -> Signals:
-    """Return *read* that gives the body's ports for those of wheels where there are no wheels."""
-
-    def found(name: str) -> np.ndarray | None:
-        values = read(name)
-        if values is None and name.startswith("wheels."):
-            return read(f"body.{name.removeprefix('wheels.')}")
-        return values
-
-    return found

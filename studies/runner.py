@@ -23,10 +23,10 @@ from cosim.observer import Observer, Summary
 from cosim.record import Record
 from cosim.scenario import LinkSpec, Scenario
 from cosim.system import Link, System
+from logs.parts import by_parts
 from plants import rover
 
 from .assembly import Assembly, assemble
-from .full_order import as_wheels
 from .metrics import Metric, verdict
 
 Progress = Callable[[str], None]
@@ -52,7 +52,7 @@ class Result:
 
     def signal(self, name: str) -> np.ndarray | None:
         """Return a port's values (n, ...), or None if the run has no such port."""
-        return as_wheels(self.record.get)(name)
+        return by_parts(self.record.get)(name)
 
     def __repr__(self) -> str:
         name = f"{self.scenario.name} {self.scenario.variant}".strip()
@@ -180,7 +180,7 @@ def judge(assembly: Assembly, record: Record) -> list[Metric]:
     """Return the verdict on what was recorded so far; empty before the first step."""
     if len(record) < 2:
         return []
-    return verdict(record.time, as_wheels(record.get), obstacle_start(assembly), assembly.scenario.verdict)
+    return verdict(record.time, by_parts(record.get), obstacle_start(assembly), assembly.scenario.verdict)
 
 
 def provenance(instances: Mapping[str, Instance]) -> dict[str, Any]:

@@ -91,4 +91,5 @@ def _modes(words: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(asked, dict):
         raise ScenarioError(f"chassis must be a table of the parameters of ChassisModal, or false, not {asked!r}")
     part = chassis(**asked)
-    return {"modes": part.structure["modes"], **{n: part.values[n] for n in ("frequency", "damping", "wheel_shape")}}
+    values = {n: part.values[n] for n in ("frequency", "damping", "wheel_shape", "station_shape")}
+    return {**part.structure, **values}

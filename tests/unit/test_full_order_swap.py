@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from cosim.errors import ScenarioError
+from logs.parts import by_parts
 from plants.full_order import FullOrderRover
 from plants.ring_press import pressed
 from studies.assembly import Assembly, assemble
 from studies.catalog import find_scenario
-from studies.full_order import as_wheels
 
 LINE = 'body.type="FullOrderRover"'
 
@@ -87,8 +87,10 @@ def test_what_cannot_be_is_said_in_a_sentence(change: str, words: str) -> None:
 
 
 def test_readers_of_wheels_read_the_body_where_there_are_none() -> None:
-    ports = {"body.normal_force": np.ones(3), "body.pitch": np.zeros(3)}
-    read = as_wheels(ports.get)
+    ports = {name: np.zeros(3) for name in ("body.normal_force", "body.pitch", "body.acceleration")}
+    read = by_parts(ports.get)
     assert read("wheels.normal_force") is ports["body.normal_force"]
+    assert read("chassis.acceleration") is None  # that of the body is another one
+    assert by_parts({**ports, "body.station_acceleration": ports["body.pitch"]}.get)("chassis.acceleration") is not None
     assert read("body.pitch") is ports["body.pitch"]
     assert read("wheels.nothing") is None
