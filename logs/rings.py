@@ -27,7 +27,7 @@ class RingScene(Scene):
     def caption(self) -> str:
         """What a reader of the scene must know to read it."""
         longest = LONGEST * self.R / self.force_scale / 1e3  # kN
-        colours = f"per node: pressure green, friction orange, to {longest:.2g} kN"
+        colours = f"per node: pressure green, friction orange, to {longest:.2g} kN; flew red"
         return colours if self.flattening == 1 else f"rings bent x{self.flattening:g}; {colours}"
 
     def _tyres(self, log: Any) -> None:

@@ -1,4 +1,4 @@
-"""The scene of rubber rings: every node where it is, its distance from round exaggerated, the forces that act on it."""
+"""The log of a robot on rubber rings: every node where it is, and all that the log of a robot of parts shows."""
 
 from __future__ import annotations
 
@@ -7,15 +7,28 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
 
 import studies
+from cosim import Component, Record, run
+from cosim.clock import ticks
 from cosim.system import System
+from logs.blueprint import question_of
+from logs.compare import combine
+from logs.jerk import WINDOW, jerk
+from logs.panels import PANELS
+from logs.questions import QUESTIONS
+from logs.read import properties, signals
 from logs.rings import RingScene
+from logs.states import FLIES, TOUCHES
 from logs.style import WHEELS
-from studies.assembly import assemble
+from plants import rover
+from studies.assembly import Assembly, assemble
 from studies.drawn import scene
+from studies.logged import log_observer
+from studies.runner import algorithm_of, connect
 
 NODES, R, FACTOR, SCALE = 16, 0.1, 5.0, 1e-3
 GROUND = np.column_stack([np.linspace(-1, 9, 11), np.zeros(11)])
@@ -79,3 +92,46 @@ def test_a_scenario_that_shows_its_rings_is_drawn_with_them() -> None:
     assert isinstance(shown, RingScene)
     assert shown.flattening == 50
     assert "x50" in shown.caption
+
+
+# a run: everything that the log of a robot of parts shows
+
+STEP = 1e-4  # s
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Assembly, Path]:
+    """Return a robot of coarse rings and the log of its first 30 ms: gravity rises in 10 ms, and it meets the ramp.
+
+    As Python objects: an FMU of that many nodes would have to be built for this alone.
+    """
+    coarse = {"gravity_time": 0.01, "nodes": NODES, "points": 2 * NODES, "seen": NODES, "chassis": {"modes": 5}}
+    asked = studies.scenario("full-order-ramp", "realistic", ground={"start": 0.64}, body=coarse)
+    made, path, record = assemble(asked), tmp_path_factory.mktemp("whole") / "whole.rrd", Record()
+    instances = {name: part.instance(name) for name, part in made.components.items() if isinstance(part, Component)}
+    rover.apply(made.starts, instances)
+    with connect(made, instances) as system:
+        observers = [record, log_observer(made, path, instances, record)]
+        step = ticks(STEP, "step")
+        run(system, algorithm_of(made), step=step, stop=300 * step, observers=observers)
+    return made, path
+
+
+def asked_for(view: Any) -> list[str]:
+    """Return the entities that a view, or the views in a container, show; of a scene where it begins."""
+    if hasattr(view, "root_container"):
+        return asked_for(view.root_container)
+    if not hasattr(view, "origin"):
+        return [entity for part in view.contents for entity in asked_for(part)]
+    listed = [str(c) for c in view.contents] if isinstance(view.contents, list) else []
+    return [c for c in listed if "*" not in c] if view.origin == "/" else [view.origin]
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_the_log_has_what_every_question_shows(name: str, whole: tuple[Assembly, Path]) -> None:
+    log = whole[1]
+    there = {chunk.entity_path for chunk in RrdReader(str(log)).stream()}
+    wanted = asked_for(question_of(name, log))
+    assert len(wanted) >= 5
+    missing = [w for w in wanted if not any(t == w or t.startswith(f"{w}/") for t in there)]
+    assert not missing
