@@ -63,7 +63,8 @@ CLIMBING = {
 MODES = 5
 
 # Rings that stretch easily: the third derivative of their energy, 3 EA / l^2, is what difference quotients miss.
-FULL_ORDER = FullOrderRover(nodes=8, points=16, seen=8, EA=600.0)
+SHAPES = {"stations": 2, "station_shape": [[0.1], [0.2]], "wheel_shape": [[0.1], [0.05], [-0.1], [0.02]]}
+FULL_ORDER = FullOrderRover(nodes=8, points=16, seen=8, EA=600.0, **SHAPES)
 
 COMPONENTS = [
     Specimen(Mass(k=80.0)),

@@ -135,3 +135,59 @@ def test_the_log_has_what_every_question_shows(name: str, whole: tuple[Assembly,
     assert len(wanted) >= 5
     missing = [w for w in wanted if not any(t == w or t.startswith(f"{w}/") for t in there)]
     assert not missing
+
+
+def test_wheels_first_hang_and_then_touch(whole: tuple[Assembly, Path]) -> None:
+    found = RrdReader(str(whole[1])).stream().filter(content="/contact/fl", is_static=False)
+    states = [v[0] for c in found for row in c.to_record_batch().to_pylist() for k, v in row.items() if "tate" in k]
+    assert states == [FLIES, TOUCHES]
+
+
+def test_the_energy_of_the_whole_robot_is_accounted_for(whole: tuple[Assembly, Path]) -> None:
+    """Less than 1e-3 of what moves is left over, as in the balances; contacts alone hold a hundred times as much."""
+    found = signals(whole[1])
+    moving = np.ptp(found["body.kinetic_energy"].values)
+    assert np.max(np.abs(found["master.energy_residual"].values)) < 1e-3 * moving
+    assert np.max(found["body.contact_energy"].values) > 0.1 * moving
+    assert np.max(found["body.dissipated_energy"].values) > 0.1 * moving
+
+
+def test_stations_feel_the_modal_equation(whole: tuple[Assembly, Path]) -> None:
+    """7.10 with means over each step; by the trapezoidal rule that of q is off by up to q'' dt^2 / 8."""
+    found, values = signals(whole[1]), whole[0].components["body"].values  # type: ignore[union-attr]
+    w, q = 2 * np.pi * values["frequency"], found["body.modal_displacement"].values
+    rate, mean = np.diff(q, axis=0) / STEP, (q[1:] + q[:-1]) / 2
+    force = found["body.wheel_force"].values[1:] @ values["wheel_shape"]
+    modal = force - 2 * values["damping"] * w * rate - w**2 * mean
+    bound = np.max(np.abs(modal), axis=0) * (w * STEP) ** 2 / 8 @ np.abs(values["station_shape"].T)
+    given = found["body.station_acceleration"].values
+    assert np.max(np.abs(given)) > 1e3 * np.max(bound)
+    assert np.all(np.abs(given[1:] - modal @ values["station_shape"].T) < bound)
+    elastic = found["body.strain_energy"].values[:, 0]
+    np.testing.assert_allclose(elastic, np.sum((w * q) ** 2, axis=1) / 2, rtol=1e-12)
+    metrics = properties(whole[1])["metrics"]
+    assert metrics["station_peak"] == pytest.approx(np.max(np.abs(given)) / 9.81, rel=1e-3)
+
+
+def test_it_is_compared_by_the_same_curves(whole: tuple[Assembly, Path], tmp_path: Path) -> None:
+    path = combine({"one": whole[1], "other": whole[1]}, tmp_path / "all.rrd")
+    found = signals(path, "/overlay/**") | signals(path, "/overlay_diff/**")
+    both = {f"overlay.{p.key}.{v}" for p in PANELS for v in ("one", "other")}
+    assert set(found) == both | {f"overlay_diff.{p.key}.other" for p in PANELS}
+    painted = RrdReader(str(path)).stream().filter(content="/world/other/robot/ring_fl", is_static=True)
+    assert any("LineStrips3D:colors" in c.to_record_batch().schema.names for c in painted)
+
+
+def test_jerk_over_a_window_is_exact_for_a_cubic_velocity() -> None:
+    time = np.arange(101) * 1e-3
+    velocity = np.column_stack([time**3, 2 * time**2, time])
+    means = np.vstack([np.zeros(3), np.diff(velocity, axis=0) / 1e-3])
+    at, found = jerk(time, means)
+    assert (time[at[0]], time[at[-1]]) == pytest.approx((WINDOW, 0.1 - WINDOW))
+    expected = np.column_stack([6 * time[at], np.full(len(at), 4.0), np.zeros(len(at))])
+    np.testing.assert_allclose(found, expected, atol=1e-10)
+
+
+def test_laid_on_traction_has_no_limit_worth_drawing() -> None:
+    assert scene(assemble(studies.scenario("full-order-ramp", "uncontrolled"))).limited
+    assert not scene(assemble(studies.scenario("full-order-ramp", "pd"))).limited

@@ -13,8 +13,11 @@ import rerun as rr
 from rerun.chunk import RrdReader
 from scipy.spatial.transform import Rotation
 
+import studies
 from cosim.system import System
 from logs.scene import LONGEST, MARK_EVERY, Scene, _axles, _upright
+from studies.assembly import assemble
+from studies.drawn import scene
 
 MS = 1_000_000
 FLAT = np.column_stack([np.linspace(-1, 9, 11), np.zeros(11)])
@@ -192,3 +195,13 @@ def test_the_caption_says_how_much_is_exaggerated() -> None:
     assert "to 1.6 kN" in (caption := Scene(0.1, 0.29, 0.6, 0.46, 0.4, FLAT, FLAT, flattening=20.0).caption)
     assert "flats x20" in caption
     assert "flats" not in Scene(0.1, 0.29, 0.6, 0.46, 0.4, FLAT, FLAT).caption
+
+
+def test_traction_at_the_centres_is_drawn_there(tmp_path: Path) -> None:
+    """The choice is a structural parameter of the body; normal forces act at the ground all the same."""
+    found = drawn(tmp_path, np.zeros((N, 4)), at_centre=True)
+    heights = {what: column(found[f"forces/{what}"], ":origins")[0][:, 2] for what in ("normal", "traction")}
+    np.testing.assert_allclose(heights["traction"] - heights["normal"], 0.1, atol=1e-6)
+    asked = studies.scenario("ramp-impact", body={"type": "RigidBody", "traction_arm": "centre"})
+    assert scene(assemble(asked)).at_centre
+    assert not scene(assemble(studies.scenario("ramp-impact"))).at_centre
