@@ -48,7 +48,7 @@ class NumpyRover:
         """Do what happens first thing in a communication step."""
         s = self.state
         s |= {n: np.zeros_like(s[n]) for n in ("normal_sum", "traction_sum", "lateral_sum", "axle_sum", "elapsed")}
-        s |= {"q": s["q"] / np.linalg.norm(s["q"]), "v_begun": s["v"]}
+        s |= {"q": s["q"] / np.linalg.norm(s["q"]), "v_begun": s["v"], "modal_begun": s["modal_rate"]}
         s["rate_begun"] = self.attitude(s["q"], s["H"], s["spin"])[1]
 
     def step(self, t: float, dt: float, torque: np.ndarray) -> None:
