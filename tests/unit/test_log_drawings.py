@@ -133,6 +133,14 @@ def test_the_energy_residual_is_what_the_splitting_leaves(tmp_path: Path) -> Non
     assert left[1] < left[0] / 2  # second order would be 4
 
 
+def test_the_energy_residual_knows_where_traction_acts(tmp_path: Path) -> None:
+    """At the centres of the wheels: taken as if it acted at the ground, more than 1 J would be left over."""
+    changes = ["run.duration=0.2", 'body.type="RigidBody"', 'body.traction_arm="centre"']
+    path = session.run_one("ramp-impact-realistic", "pd", changes, tmp_path, quiet=True).log
+    assert path is not None
+    assert max(abs(value(row, ":scalars")[0]) for row in rows(path, "master/energy_residual")) < 1e-5 * 50
+
+
 # the chassis
 
 
