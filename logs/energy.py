@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 import rerun as rr
-from scipy.spatial.transform import Rotation
 
 from cosim.system import System
 
 from .drawing import Drawing, Read
 from .ports import index, scalars
+from .rotation import matrices
 
 _STORED = ("body.kinetic_energy", "body.potential_energy", "wheels.elastic_energy", "wheels.dissipated_energy")
 _NEEDED = ("body.position", "body.orientation", "body.velocity", "body.rate", "body.wheel_centre",
@@ -72,7 +72,7 @@ class EnergyResidual(Drawing):
     def _velocities(self, read: Read) -> np.ndarray:
         """Return the velocities that the forces of `_forces` work along, (n, 14), world axes, rates in body axes."""
         position, q, v, rate, centre, normal, along = (np.asarray(read(port)) for port in _NEEDED)
-        omega = Rotation.from_quat(q[:, [1, 2, 3, 0]]).apply(rate)
+        omega = np.einsum("nij,nj->ni", matrices(q), rate)
         arm = centre - self.arm * normal - position[:, None]
         points = v[:, None] + np.cross(omega[:, None], arm)
         across = np.cross(normal, along)

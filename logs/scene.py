@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 import rerun as rr
-from scipy.spatial.transform import Rotation
 
 from cosim.system import System
 
 from . import tyre
 from .drawing import Drawing, Frames, Read
 from .ports import index
+from .rotation import matrices, quaternions
 from .style import WHEELS, Colour, pale
 
 LEFT = np.array([1.0, -1.0, 1.0, -1.0])  # which side of the body a wheel is on, y to the left
@@ -129,8 +129,8 @@ class Scene(Drawing):
         def send(path: str, columns: Any) -> None:
             recording.send_columns(f"{self.root}/{path}", index(ns[frames], step[frames]), columns)
 
-        quaternion = q[frames][:, [1, 2, 3, 0]]  # Rerun and scipy write the scalar last
-        send("robot/body", rr.Transform3D.columns(translation=position[frames], quaternion=quaternion))
+        quaternion = q[frames]
+        send("robot/body", rr.Transform3D.columns(translation=position[frames], quaternion=_scalar_last(quaternion)))
         steer = read("body.steer")
         axles = _axles(quaternion, None if steer is None else steer[frames])
         self._wheels(send, centres[frames], _upright(axles, normals[frames]), spin[frames], _at(frames, read))
@@ -139,7 +139,7 @@ class Scene(Drawing):
     def _wheels(self, send: Send, centres: np.ndarray, upright: np.ndarray, spin: np.ndarray, read: Read) -> None:
         """Draw the wheels: the frame of each along its ground, in it the flattened tyre and the turning spoke."""
         for k, wheel in enumerate(WHEELS):
-            turned = Rotation.from_matrix(upright[:, k]).as_quat()
+            turned = _scalar_last(quaternions(upright[:, k]))
             send(f"robot/wheel_{wheel}", rr.Transform3D.columns(translation=centres[:, k], quaternion=turned))
             about = np.zeros((len(spin), 4))
             about[:, 1], about[:, 3] = np.sin(spin[:, k] / 2), np.cos(spin[:, k] / 2)
@@ -268,11 +268,16 @@ def _at(frames: np.ndarray, read: Read) -> Read:
     return chosen
 
 
+def _scalar_last(quaternion: np.ndarray) -> np.ndarray:
+    """Return quaternions (n, 4) as Rerun writes them."""
+    return quaternion[:, [1, 2, 3, 0]]
+
+
 def _axles(quaternion: np.ndarray, steer: np.ndarray | None) -> np.ndarray:
-    """Return the axle of each wheel in the world, (n, 4, 3), to the left, for attitudes (n, 4), scalar last."""
+    """Return the axle of each wheel in the world, (n, 4, 3), to the left, for attitudes (n, 4)."""
     angle = np.zeros((len(quaternion), 4)) if steer is None else steer
     local = np.stack([-np.sin(angle), np.cos(angle), np.zeros_like(angle)], axis=2)
-    turned: np.ndarray = np.einsum("nij,nkj->nki", Rotation.from_quat(quaternion).as_matrix(), local)
+    turned: np.ndarray = np.einsum("nij,nkj->nki", matrices(quaternion), local)
     return turned
 
 

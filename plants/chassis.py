@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from cosim.errors import ScenarioError, nearest
 
+from .chassis_fe import PlateChassis
 from .chassis_files import SUFFIXES
 from .chassis_modal import ChassisModal
 from .chassis_modes import ModalData, load_modal_data
@@ -34,8 +35,6 @@ def chassis(
 
 
 def _plate(modes: int, given: Mapping[str, Any]) -> ModalData:
-    from .chassis_fe import PlateChassis  # the finite-element library takes a second to import
-
     known = [f.name for f in fields(PlateChassis) if f.name != "damping"]
     for name in given:
         if name in _PLACES:

@@ -5,6 +5,8 @@ share of the mass that is spread on the plate are fitted here to its ten publish
 the first nine shapes in its order).  What the fit does not meet: I_y is 26 kg.m2 where Table 8.1 has 47.
 
 Axes of this file: x from rear to front, y from left to right, z up, origin at the middle of the plate's lower face.
+
+The solver's libraries are imported where they solve: modes that are kept are there before these are.
 """
 
 from __future__ import annotations
@@ -17,18 +19,17 @@ from itertools import pairwise
 from math import pi
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import platformdirs
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
-from skfem import Basis, BilinearForm, ElementHexS2, ElementVector, MeshHex, asm
-from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 from cosim.errors import ScenarioError
 
 from .chassis_modes import ModalData, load_modal_data
+
+if TYPE_CHECKING:
+    from skfem import MeshHex
 
 _SHIFT = (2 * pi * 10.0) ** 2  # below zero by it: K is singular, its six rigid modes lie at zero
 _VERSION = 1  # of the mesh and the solver, part of the key of cached modes
@@ -76,6 +77,8 @@ class PlateChassis:
 
     def mesh(self) -> tuple[MeshHex, np.ndarray]:
         """Return the bricks, and which of them belong to boxes; station and wheel positions are vertices."""
+        from skfem import MeshHex
+
         fine = self.refinement
         x = _lines(self.length / 2, self._edges(0), (0.0, 0.25 * self.length), 0.07 / fine)
         y = _lines(self.width / 2, self._edges(1), (self.width / 6,), 0.04 / fine)
@@ -117,6 +120,9 @@ class PlateChassis:
 
         Rigid modes included; shapes are mass-normalised.
         """
+        from scipy.sparse import csc_matrix
+        from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
         K, M, vertical, at = self.matrices()
         factors = splu(
             csc_matrix(K + _SHIFT * M),
@@ -138,14 +144,16 @@ class PlateChassis:
 
         The finder gives the vertex of the lower face next to a position x, y in m.
         """
+        from skfem import Basis, BilinearForm, ElementHexS2, ElementVector, asm
+
         mesh, box = self.mesh()
         # 2 x 2 x 2 points: the reduced integration that keeps quadratic bricks from locking in thin plates
         basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=3)
         per_element = lambda plate, boxes: np.expand_dims(np.where(box, boxes, plate), 1)  # noqa: E731
         volume = self.length * self.width * self.thickness
         density = per_element(self.plate_mass / volume, self.box_mass / 9 / np.prod(self.box_size))
-        K = asm(_stiffness, basis, E=per_element(self.E, self.box_E), nu=self.nu)
-        M = asm(_mass, basis, rho=density)
+        K = asm(BilinearForm(_stiffness), basis, E=per_element(self.E, self.box_E), nu=self.nu)
+        M = asm(BilinearForm(_mass), basis, rho=density)
 
         def at(px: float, py: float) -> int:
             return int(np.argmin(np.sum((mesh.p - np.array([[px], [py], [0.0]])) ** 2, axis=0)))
@@ -178,15 +186,17 @@ def _lines(half: float, boxes: tuple[float, ...], extra: tuple[float, ...], step
     return np.append(np.concatenate(parts), half)
 
 
-@BilinearForm
 def _stiffness(u: Any, v: Any, w: Any) -> Any:
+    from skfem.helpers import ddot, eye, sym_grad, trace
+
     strain = sym_grad(u)
     mu, lam = w.E / (2 * (1 + w.nu)), w.E * w.nu / ((1 + w.nu) * (1 - 2 * w.nu))
     return ddot(2 * mu * strain + eye(lam * trace(strain), 3), sym_grad(v))
 
 
-@BilinearForm
 def _mass(u: Any, v: Any, w: Any) -> Any:
+    from skfem.helpers import dot
+
     return w.rho * dot(u, v)
 
 

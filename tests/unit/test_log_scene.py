@@ -151,7 +151,7 @@ def test_a_robot_that_stands_in_the_air_is_marked_once(tmp_path: Path) -> None:
 
 def test_wheels_steer_about_the_body_and_stand_on_the_ground() -> None:
     """Steered by 90 degrees to the left on a body that is turned by as much, the axle of a wheel points backwards."""
-    yaw = np.array([[0, 0, np.sqrt(0.5), np.sqrt(0.5)]])  # scalar last
+    yaw = np.array([[np.sqrt(0.5), 0, 0, np.sqrt(0.5)]])
     axles = _axles(yaw, np.array([[np.pi / 2, 0, 0, -np.pi / 2]]))
     np.testing.assert_allclose(axles[0, [0, 1, 3]], [[0, -1, 0], [-1, 0, 0], [0, 1, 0]], atol=1e-15)
     normals = np.tile(np.array([np.sin(0.3), 0, np.cos(0.3)]), (1, 4, 1))
@@ -162,7 +162,7 @@ def test_wheels_steer_about_the_body_and_stand_on_the_ground() -> None:
 
 
 def test_the_axles_lean_with_the_body() -> None:
-    roll = np.array([[np.sin(0.1), 0, 0, np.cos(0.1)]])  # by 0.2 rad to the right: the left side goes up
+    roll = np.array([[np.cos(0.1), np.sin(0.1), 0, 0]])  # by 0.2 rad to the right: the left side goes up
     np.testing.assert_allclose(_axles(roll, None)[0, 2], [0, np.cos(0.2), np.sin(0.2)], rtol=1e-12)
 
 
