@@ -54,10 +54,22 @@ def of_class(kind: type) -> str | None:
 def digest(folder: Path) -> str:
     """Return a hash of the sources of a package; those that it built do not count."""
     found = sha256()
-    for path in sorted(p for p in folder.rglob("*") if p.suffix in (".py", ".c", ".h")):
-        if "build" not in (relative := path.relative_to(folder)).parts:
-            found.update(f"{relative}\0".encode() + path.read_bytes())
+    for path in written(folder):
+        if path.suffix in (".py", ".c", ".h"):
+            found.update(f"{path.relative_to(folder)}\0".encode() + path.read_bytes())
     return found.hexdigest()
+
+
+def written(folder: Path) -> list[Path]:
+    """Return the files below a folder, but none of ``build``: what others build there comes and goes meanwhile.
+
+    That is not even looked at: it may hold thousands of files.
+    """
+    paths: list[Path] = []
+    for here, inside, names in os.walk(folder):
+        inside[:] = [name for name in inside if name != "build"]
+        paths += [Path(here, name) for name in names]
+    return sorted(paths)
 
 
 def kept(kind: str, key: str | None, make: Callable[[], T]) -> T:

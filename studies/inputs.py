@@ -9,6 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from cosim.kept import written
 from cosim.scenario import Scenario
 
 Tables = Mapping[str, Mapping[str, Any]]  # of properties of a log
@@ -55,19 +56,10 @@ def sources() -> str:
     """Return one hash over all sources that the numbers of a run depend on."""
     root, found = Path(__file__).resolve().parent.parent, sha256()
     for package in _COMPUTING:
-        for path in _written(root / package):
+        for path in written(root / package):
             if path.suffix in _SOURCES:
                 found.update(f"{path.relative_to(root)}\0".encode() + path.read_bytes())
     return found.hexdigest()[:16]
-
-
-def _written(folder: Path) -> list[Path]:
-    """Return the files below a folder, but none of ``build``: what others build there comes and goes meanwhile."""
-    paths: list[Path] = []
-    for here, inside, names in os.walk(folder):
-        inside[:] = [name for name in inside if name != "build"]
-        paths += [Path(here, name) for name in names]
-    return sorted(paths)
 
 
 def _strings(value: Any) -> Iterator[str]:

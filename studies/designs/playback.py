@@ -17,9 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.csv
-import pyarrow.parquet
 
 from controllers.off_line import AxleModel, PlannedLaw, off_line_forces
 from controllers.pd_impact import gains_by_stiffness
@@ -71,6 +68,10 @@ def read_file(path: Path, columns: tuple[str, ...] = COLUMNS) -> tuple[np.ndarra
 
     Raises ScenarioError naming the file for a column that is missing, without a unit, or in another one.
     """
+    import pyarrow as pa  # of all designs only this one needs it
+    import pyarrow.csv
+    import pyarrow.parquet
+
     if path.suffix not in (".csv", ".parquet"):
         raise ScenarioError(f"cannot play back {path}: the name must end in .csv or .parquet")
     try:
