@@ -65,6 +65,14 @@ class Frames:
         return np.array(chosen, int)
 
 
+def summed(before: Any, more: np.ndarray) -> np.ndarray:
+    """Return the sums of all *before* and of the rows of *more* up to each, (n, ...), in the order of the rows.
+
+    The clock decides where a run is cut into chunks: what adds up goes on with the same roundings wherever that is.
+    """
+    return np.cumsum(np.concatenate([np.asarray(before)[None], more]), axis=0)[1:]
+
+
 def nice(value: float) -> float:
     """Return the next of 1, 2, 5, 10, ... that is not below *value* (above 0)."""
     decade = 10.0 ** np.floor(np.log10(value))

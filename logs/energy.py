@@ -17,7 +17,7 @@ import rerun as rr
 
 from cosim.system import System
 
-from .drawing import Drawing, Read
+from .drawing import Drawing, Read, summed
 from .ports import index, scalars
 from .rotation import matrices
 
@@ -65,7 +65,7 @@ class EnergyResidual(Drawing):
         before_ns, before = self._power or (int(ns[0]), velocities[0])
         mean = (velocities + np.concatenate([before[None], velocities[:-1]])) / 2
         dt = np.diff(ns, prepend=before_ns) * 1e-9
-        work = self._work + np.cumsum(np.einsum("ij,ij->i", forces, mean) * dt)
+        work = summed(self._work, np.einsum("ij,ij->i", forces, mean) * dt)
         self._work, self._power = float(work[-1]), (int(ns[-1]), velocities[-1])
         return np.asarray(work)
 

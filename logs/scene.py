@@ -16,7 +16,7 @@ import rerun as rr
 from cosim.system import System
 
 from . import tyre
-from .drawing import Drawing, Frames, Read
+from .drawing import Drawing, Frames, Read, summed
 from .ports import index
 from .rotation import matrices, quaternions
 from .style import WHEELS, Colour, pale
@@ -159,7 +159,7 @@ class Scene(Drawing):
         if velocity is None:
             return np.zeros((len(ns), 4))
         dt = np.diff(ns, prepend=self._spin_ns) * 1e-9
-        angles = self._spin + np.cumsum(velocity[:, :, 0] / self.R * dt[:, None], axis=0)
+        angles = summed(self._spin, velocity[:, :, 0] / self.R * dt[:, None])
         self._spin, self._spin_ns = angles[-1], int(ns[-1])
         return angles
 
