@@ -11,11 +11,11 @@ P and U per axle force and k_w of both wheels of an axle; n = 4 with every wheel
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
-from warnings import catch_warnings, simplefilter
 
 import numpy as np
 
 from cosim.errors import DeclarationError
+from cosim.quiet import without
 
 if TYPE_CHECKING:
     import control
@@ -126,8 +126,7 @@ def placed(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray:
     """Return K that gives A - B K these eigenvalues, by `control.place`, checked."""
     import control
 
-    with catch_warnings():
-        simplefilter("ignore", UserWarning)  # of a search for the most robust K that ended early: its poles are right
+    with without(UserWarning):  # of a search for the most robust K that ended early: its poles are right
         K = np.asarray(control.place(A, B, poles))
     off = np.abs(np.poly(A - B @ K) - np.poly(poles))
     if np.max(off) > _PLACED:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ import pyarrow as pa
 from rerun.chunk import RrdReader
 
 from cosim.errors import ScenarioError, nearest
+from cosim.quiet import without
 
 from .cut import whole
 from .ports import EXACT
@@ -41,8 +41,7 @@ def _open(path: Path) -> Any:
     if not path.is_file():
         raise ScenarioError(f"there is no log {path}")
     try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "RRD file has no footer")  # it is unfinished, which the reader copes with
+        with without(Warning, "RRD file has no footer"):  # it is unfinished, which the reader copes with
             reader = RrdReader(str(path))
             try:
                 found = reader.recordings()

@@ -14,7 +14,6 @@ fails keeps everything up to the failure and is marked, one that never began lea
 from __future__ import annotations
 
 import secrets
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter
@@ -26,6 +25,7 @@ from rerun.chunk import RrdReader
 
 from cosim.errors import ScenarioError
 from cosim.observer import Block, Observer, Point, RunInfo, Summary
+from cosim.quiet import without
 from cosim.system import System
 
 from .ports import Chunk, describe, index, scalars, style
@@ -256,8 +256,7 @@ def verify(path: Path, entity: str, points: int) -> None:
     of a short run.
     """
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", rr.error_utils.RerunWarning)  # no footer: an error follows
+        with without(rr.error_utils.RerunWarning):  # no footer: an error follows
             stored = RrdReader(str(path)).store().stream().filter(content=f"/{entity}", is_static=False)
         found = sum(chunk.num_rows for chunk in stored)
     except Exception as error:
