@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import signal
 import sys
@@ -237,6 +238,7 @@ def _stop(number: int, frame: object) -> NoReturn:
 def main() -> None:
     """Run the command line; a user's mistake ends with one sentence and exit code 1, never with a traceback."""
     gc.set_threshold(100_000)  # what is imported stays; looking through it again and again is a tenth of the start
+    atexit.register(gc.freeze)  # nor is it looked through for cycles when the process ends, which takes 0.3 s
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _stop)
     try:
