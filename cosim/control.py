@@ -36,8 +36,12 @@ class PI:
     safety: float = 0.9
     order: int = 1
 
-    def check(self, system: System) -> None:
-        """Raise CouplingError naming a component whose steps cannot vary or be taken back."""
+    def check(self, system: System, compiled: bool | None) -> None:
+        """Raise CouplingError naming a component whose steps cannot vary or be taken back, or for the compiled loop."""
+        if compiled:
+            raise CouplingError(
+                "the compiled loop makes steps of equal length; leave out compiled=True, or control the step by Fixed"
+            )
         for name, instance in system.instances.items():
             if system.every[name] > 1:
                 raise CouplingError(

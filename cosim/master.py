@@ -90,7 +90,7 @@ class _Run:
         self.locating = bool(self.rewound)
         self.pace = Pace(control, info.step_ns) if isinstance(control, PI) else None
         if isinstance(control, PI):
-            control.check(system)
+            control.check(system, compiled)
             self.rewound, compiled = self.sequence, False
         self.hybrid, self.finite = EventMode(system), Finite(system)
         check_steps(system, info, locating=self.locating)

@@ -84,6 +84,8 @@ def test_what_cannot_be_is_refused_with_a_sentence() -> None:
         run(System(stubborn, {}), Jacobi(), step=S // 10, stop=S, control=PI())
     with pytest.raises(CouplingError, match=r"estimates no error.*wrap it in Richardson"):
         run(damped(), Jacobi(), step=S // 10, stop=S, control=PI())
+    with pytest.raises(CouplingError, match=r"compiled loop makes steps of equal length; leave out compiled=True"):
+        run(damped(), Richardson(), step=S // 10, stop=S, control=PI(), compiled=True)
     slow = System({"mass": Mass().instance()}, {}, every={"mass": 4})
     with pytest.raises(CouplingError, match=r"mass steps every 4 macro steps, which has no meaning"):
         run(slow, Jacobi(), step=S // 10, stop=S, control=PI())
