@@ -7,8 +7,7 @@ health, ``/events``, ``/log/master`` text, ``/world/...`` the scene, ``/report``
 The file is called ``NAME.<8 hex digits>.rrd.part`` until it is complete and was read back, so that two runs into one
 folder never share a file.  A chunk goes to the file when it is full, and once a second; a thread sends it and one of
 Rerun packs and writes it while the run fills another, one chunk at most is under way.  So a killed run keeps every
-chunk written, one that
-fails keeps everything up to the failure and is marked, one that never began leaves no file.
+chunk written, one that fails keeps everything up to the failure and is marked, one that never began leaves no file.
 """
 
 from __future__ import annotations

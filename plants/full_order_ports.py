@@ -16,8 +16,10 @@ import casadi as ca
 
 from cosim import Component, input, output
 
+from .chassis_modal import ChassisModal
 from .contact import COLUMNS
-from .rigid_body import motion, place
+from .rigid_body import RigidBody, motion, place
+from .wheel_drive import WheelDrive
 
 WHEELS = range(4)
 NAMES = ("fl", "fr", "rl", "rr")
@@ -26,18 +28,18 @@ NAMES = ("fl", "fr", "rl", "rr")
 class FullOrderPorts(Component):
     """Inputs and outputs of `FullOrderRover`; forces are means over the communication step unless said otherwise."""
 
-    torque = input("N.m", "motor torque of each wheel", shape=4)
+    torque = WheelDrive.torque
     traction_demand = input("N", "traction asked of each wheel, forward positive", shape=4)
-    force = input("N", "external force at the centre of mass, world axes", shape=3)
-    moment = input("N.m", "external moment, body axes", shape=3)
+    force = RigidBody.force
+    moment = RigidBody.moment
     hub_force = input("N", "external force on each hub, world axes", shape=(4, 3))
 
     position = output("m", "position of the body's centre of mass, world", shape=3)
-    orientation = output("1", "attitude quaternion (w, x, y, z), body to world", shape=4)
+    orientation = RigidBody.orientation
     velocity = output("m/s", "velocity of the body's centre of mass, world", shape=3)
     velocity_body = output("m/s", "the same in body axes", shape=3)
-    rate = output("rad/s", "angular velocity, body axes", shape=3)
-    pitch = output("rad", "pitch angle, nose-up positive")
+    rate = RigidBody.rate
+    pitch = RigidBody.pitch
     acceleration = output("m/s2", "mean acceleration over the step, body axes", shape=3)
     angular_acceleration = output("rad/s2", "mean angular acceleration over the step, body axes", shape=3)
     wheel_spin = output("rad/s", "spin of each rim in the body", shape=4)
@@ -53,14 +55,14 @@ class FullOrderPorts(Component):
     wheel_centre = output("m", "hubs, world", shape=(4, 3))
 
     gap = output("m", "distance of each hub from where a round wheel would touch, negative when pressed", shape=4)
-    gap_rate = output("m/s", "its time derivative", shape=4)
+    gap_rate = RigidBody.gap_rate
     deformation = output("m", "the gap again, as wheel plants call it", shape=4)
     deformation_rate = output("m/s", "its time derivative", shape=4)
     contact_velocity = output("m/s", "velocity of each hub along its heading, and to the left", shape=(4, 2))
-    slope = output("rad", "slope of the ground under each wheel, absolute, climbing positive", shape=4)
-    curvature = output("1/m", "curvature of each wheel-centre path, concave up positive", shape=4)
-    contact_normal = output("1", "outward normals at the contacts, world", shape=(4, 3))
-    traction_direction = output("1", "directions of traction, world", shape=(4, 3))
+    slope = RigidBody.slope
+    curvature = RigidBody.curvature
+    contact_normal = RigidBody.contact_normal
+    traction_direction = RigidBody.traction_direction
     P = output("1/kg", "gap acceleration of each wheel per normal force of each, rigid body", shape=(4, 4))
     U = output("1/kg", "gap acceleration of each wheel per traction of each, rigid body", shape=(4, 4))
     b_free = output("m/s2", "gap acceleration without normal force and traction, rigid body", shape=4)
@@ -70,9 +72,9 @@ class FullOrderPorts(Component):
     ring_friction = output("N", "friction of the ground on each, world", shape=("seen", 12))
 
     station_acceleration = output("m/s2", "mean elastic acceleration at the stations, upwards", shape="stations")
-    modal_displacement = output("m", "modal coordinates (m kg^1/2)", shape="modes")
-    strain_energy = output("J", "energy stored in the elastic modes")
-    elastic_kinetic_energy = output("J", "kinetic energy of the elastic modes")
+    modal_displacement = ChassisModal.modal_displacement
+    strain_energy = ChassisModal.strain_energy
+    elastic_kinetic_energy = ChassisModal.elastic_kinetic_energy
 
     kinetic_energy = output("J", "kinetic energy of body, rims, rings and modes")
     potential_energy = output("J", "work against gravity since the start")
