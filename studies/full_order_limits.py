@@ -1,8 +1,9 @@
 """Between the full-order robot and the analytical ones: what is left between them as rings get light, stiff and smooth.
 
 `WheelDeformation` is a wheel without mass on a linear spring that stays round; `RigidContact` one that does not give
-at all.  A ring tends to the first as it gets lighter and bends less, its foundation scaled to the same static
-stiffness, and to the second on smooth ground as everything gets stiffer.  Neither has friction here.
+at all.  A ring comes nearer to the first as it gets lighter and bends less, its foundation scaled to the same static
+stiffness, but does not reach it: on a sharp ramp a sixth of the force is left however stiff it is.  To the second its
+motion converges on smooth ground as everything gets stiffer, its force does not.  Neither has friction here.
 """
 
 from __future__ import annotations
