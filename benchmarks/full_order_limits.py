@@ -9,7 +9,15 @@ from __future__ import annotations
 
 from studies.full_order_limits import towards_deformation, towards_rigid
 
-RINGS = [(1.0, 1.0), (0.3, 1.0), (0.1, 1.0), (0.3, 3.0), (0.3, 10.0), (0.3, 30.0), (0.1, 100.0)]  # mass, bending and stretching
+RINGS = [
+    (1.0, 1.0),
+    (0.3, 1.0),
+    (0.1, 1.0),
+    (0.3, 3.0),
+    (0.3, 10.0),
+    (0.3, 30.0),
+    (0.1, 100.0),
+]  # mass, bending and stretching
 WHEELS = [(1e5, 128), (1e6, 128), (1e7, 128), (1e6, 512), (1e7, 512)]  # N/m, points of a ring
 
 
