@@ -1,7 +1,8 @@
 """The full-order robot in plain NumPy: the equations of `plants.full_order` once more, vectorised over all nodes.
 
 Written from their description, not from their code, for two uses: as the straightforward way that the compiled FMU is
-timed against, and as a second opinion on what the FMU computes.  Arrays are (wheels, nodes, 3).
+timed against, and as a second opinion on what the FMU computes.  Arrays are (wheels, nodes, 3).  Traction is along the
+wheels on level ground, whatever the profile.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from plants.full_order import FullOrderRover
 from plants.full_order_ports import NAMES
 
 Values = dict[str, Any]
-UP, AXLE = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
+UP, AXLE, STRAIGHT = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.zeros(4)
 
 
 @dataclass
@@ -39,60 +40,71 @@ class NumpyRover:
                                  for k in range(4)])  # fmt: skip
         self.weights = np.array([_weights(N, m / each) for m in range(each)])
 
-    def attitude(self, q: np.ndarray, H: np.ndarray, spin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return rotation (3, 3) and angular velocity (3,) in body axes."""
+    def attitude(self, q: np.ndarray, H: np.ndarray, spin: np.ndarray, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return rotation (3, 3) and angular velocity (3,) in body axes, for wheels with the axes *Z* (4, 3, 3)."""
         R = Rotation.from_quat(q[[1, 2, 3, 0]]).as_matrix()
-        return R, (R.T @ H - AXLE * self.p["J_w"] * spin.sum()) / self.p["inertia"]
+        return R, (R.T @ H - self.p["J_w"] * spin @ Z[:, :, 1]) / self.p["inertia"]
 
-    def begin(self) -> None:
-        """Do what happens first thing in a communication step."""
+    def begin(self, steer: np.ndarray = STRAIGHT, span: float = 1.0) -> None:
+        """Do what happens first thing in a communication step of *span* (s): wheels set out for *steer* (4,)."""
         s = self.state
-        s |= {n: np.zeros_like(s[n]) for n in ("normal_sum", "traction_sum", "lateral_sum", "axle_sum", "elapsed")}
+        sums = ("normal_sum", "traction_sum", "lateral_sum", "sliding_sum", "axle_sum", "elapsed")
+        most = self.p["steer_speed"]
+        s |= {n: np.zeros_like(s[n]) for n in sums} | {
+            "steer_rate": np.clip((steer - s["steered"]) / span, -most, most)
+        }
         s |= {"q": s["q"] / np.linalg.norm(s["q"]), "v_begun": s["v"], "modal_begun": s["modal_rate"]}
-        s["rate_begun"] = self.attitude(s["q"], s["H"], s["spin"])[1]
+        s["rate_begun"] = self.attitude(s["q"], s["H"], s["spin"], _axes(s["steered"]))[1]
 
     def step(self, t: float, dt: float, torque: np.ndarray) -> None:
         """Take one micro step of *dt* from *t* (s) with *torque* (4,) on the rims."""
         s, p, h = self.state, self.p, dt / 2
         w = 2 * np.pi * p["frequency"]
-        _, omega = self.attitude(s["q"], s["H"], s["spin"])
+        _, omega = self.attitude(s["q"], s["H"], s["spin"], _axes(s["steered"]))
         q = _turned(s["q"], omega * h)
         r, bend, x = s["r"] + h * s["v"], s["modal_q"] + h * s["modal_rate"], s["x"] + h * s["v_ring"]
-        angle = s["angle"] + h * (s["spin"] - omega[1])
+        angle = s["angle"] + h * (s["spin"] - _axes(s["steered"])[:, :, 1] @ omega)
 
-        R, omega = self.attitude(q, s["H"], s["spin"])
+        Z = _axes(s["steered"] + h * s["steer_rate"])
+        R, omega = self.attitude(q, s["H"], s["spin"], Z)
         arms = self.corners + np.outer(p["wheel_shape"] @ bend, UP)
         hub_v = s["v"] + (np.cross(omega, arms) + np.outer(p["wheel_shape"] @ s["modal_rate"], UP)) @ R.T
-        d, f, f_c = self._ring(R, omega, r + arms @ R.T, hub_v, s["spin"], angle, x, s["v_ring"])
+        d, f, f_c = self._ring(R @ Z, omega @ Z, r + arms @ R.T, hub_v, s["spin"], angle, x, s["v_ring"])
         normal, tangential, z, sums = self.on_nodes(x, s["v_ring"], s["z"], dt)
-        hub, moment = -f.sum(axis=1), -np.cross(d, f).sum(axis=1)
+        moment = -np.cross(d, f).sum(axis=1)
+        hub, on_body = (np.einsum("wij,wj->wi", Z, a) for a in (-f.sum(axis=1), moment))
         risen = np.clip(t + h, 0, p["gravity_time"]) / p["gravity_time"] if p["gravity_time"] else 1.0
         down = -UP * p["g"] * (1 - np.cos(np.pi * risen)) / 2
 
         v = s["v"] + dt * (R @ hub.sum(axis=0) / p["m"] + down)
-        H = s["H"] + dt * R @ (np.cross(arms, hub) + moment).sum(axis=0)
+        H = s["H"] + dt * R @ (np.cross(arms, hub) + on_body).sum(axis=0)
         spin = s["spin"] + dt * (torque + moment[:, 1]) / p["J_w"]
         rate = s["modal_rate"] + dt * (p["wheel_shape"].T @ hub[:, 2] - 2 * p["damping"] * w * s["modal_rate"]
                                        - w**2 * bend)  # fmt: skip
-        v_ring = s["v_ring"] + dt * ((f @ R.T + normal + tangential) / self.mass + down)
+        v_ring = s["v_ring"] + dt * ((f @ np.swapaxes(R @ Z, 1, 2) + normal + tangential) / self.mass + down)
 
-        _, end = self.attitude(q, H, spin)
-        self._account(dt, R, arms, omega, end, r, x, (v, v_ring, spin, rate), z, (f_c, d), normal, tangential, torque,
-                      down)  # fmt: skip
+        _, end = self.attitude(q, H, spin, Z)
+        self._account(dt, R, Z, arms, omega, end, r, x, (v, v_ring, spin, rate), z, (f_c, d, moment), normal,
+                      tangential, torque, down)  # fmt: skip
+        way = (R @ Z)[:, :2, 0] / np.linalg.norm((R @ Z)[:, :2, 0], axis=1, keepdims=True)
+        sums[:, 1:3] = np.stack(
+            [np.sum(way * sums[:, 1:3], axis=1), way[:, 0] * sums[:, 2] - way[:, 1] * sums[:, 1]], 1
+        )
         s |= {"r": r + h * v, "q": _turned(q, end * h), "v": v, "H": H, "spin": spin, "x": x + h * v_ring,
-              "v_ring": v_ring, "z": z, "angle": angle + h * (spin - end[1]), "modal_q": bend + h * rate,
+              "v_ring": v_ring, "z": z, "angle": angle + h * (spin - Z[:, :, 1] @ end), "modal_q": bend + h * rate,
               "modal_rate": rate, "pressing": sums[:, 0], "elapsed": s["elapsed"] + dt,
+              "steered": s["steered"] + dt * s["steer_rate"],
               "push": np.linalg.norm(normal, axis=2), "pull": np.linalg.norm(tangential, axis=2)}  # fmt: skip
-        for i, name in enumerate(("normal_sum", "traction_sum", "lateral_sum")):
+        for i, name in enumerate(("normal_sum", "traction_sum", "lateral_sum", "sliding_sum")):
             s[name] = s[name] + dt * sums[:, i]
         s["axle_sum"] = s["axle_sum"] + dt * hub
 
-    def _ring(self, R: Any, omega: Any, hub: Any, hub_v: Any, spin: Any, angle: Any, x: Any, v: Any) -> tuple:
-        """Return places of the nodes from the hubs, forces on them, and the dampers' part, all in body axes."""
+    def _ring(self, W: Any, omega: Any, hub: Any, hub_v: Any, spin: Any, angle: Any, x: Any, v: Any) -> tuple:
+        """Return places of the nodes from the hubs, forces on them, and those of dampers, in the axes *W* of wheels."""
         p = self.p
-        d = (x - hub[:, None]) @ R
-        turning = np.broadcast_to(omega, (4, 3)) + np.outer(spin - omega[1], AXLE)
-        rate = (v - hub_v[:, None]) @ R - np.cross(turning[:, None], d)
+        d = (x - hub[:, None]) @ W
+        turning = np.stack([omega[:, 0], spin, omega[:, 2] + self.state["steer_rate"]], 1)
+        rate = (v - hub_v[:, None]) @ W - np.cross(turning[:, None], d)
         sine, cosine = (g(angle[:, None] + self.around) for g in (np.sin, np.cos))
         zero = np.zeros_like(sine)
         axes = np.stack([np.stack([sine, zero, cosine], 2), np.stack([cosine, zero, -sine], 2),
@@ -135,9 +147,10 @@ class NumpyRover:
         wish = z + slip * dt
         pull = self.cell * p["k_bristle"] * np.linalg.norm(wish, axis=2)
         new = wish * np.minimum(1, mu * F / np.maximum(pull, 1e-300))[..., None]
+        slides = np.where(mu * F < pull, F, 0.0)
         f = -self.cell * p["k_bristle"] * new
         friction = f[..., :1] * along + f[..., 1:] * AXLE
-        sums = np.stack([F.sum(axis=1), f[..., 0].sum(axis=1), f[..., 1].sum(axis=1)], 1)
+        sums = np.stack([F.sum(axis=1), f[..., 0].sum(axis=1), f[..., 1].sum(axis=1), slides.sum(axis=1)], 1)
         return self._shared(F[..., None] * normal), self._shared(friction), new, sums
 
     def _shared(self, force: np.ndarray) -> np.ndarray:
@@ -150,15 +163,16 @@ class NumpyRover:
         table = self.p["ground_left" if k % 2 == 0 else "ground_right"]
         return np.asarray(table[np.maximum(0, np.searchsorted(table[:, 0], x, side="right") - 1)])
 
-    def _account(self, dt: float, R: Any, arms: Any, omega: Any, end: Any, r: Any, x: Any, after: tuple, z: Any,
+    def _account(self, dt: float, R: Any, Z: Any, arms: Any, omega: Any, end: Any, r: Any, x: Any, after: tuple, z: Any,
                  inside: tuple, normal: Any, tangential: Any, torque: Any, down: Any) -> None:  # fmt: skip
         """Add work and impulse of this step to those since the start."""
-        s, p, (v, v_ring, spin, modal_rate), (f_c, d) = self.state, self.p, after, inside
+        s, p, (v, v_ring, spin, modal_rate), (f_c, d, moment) = self.state, self.p, after, inside
         turns, rate, mean = (omega + end) / 2, (s["v"] + v) / 2, (s["v_ring"] + v_ring) / 2
         lift = p["wheel_shape"] @ (s["modal_rate"] + modal_rate) / 2
-        hub = R.T @ rate + np.cross(turns, arms) + np.outer(lift, UP)
-        rim = np.stack([np.full(4, turns[0]), (s["spin"] + spin) / 2, np.full(4, turns[2])], 1)
-        damped = -np.sum(f_c * (mean @ R)) + np.sum(f_c.sum(1) * hub) + np.sum(np.cross(d, f_c).sum(1) * rim)
+        hub = np.einsum("wj,wji->wi", R.T @ rate + np.cross(turns, arms) + np.outer(lift, UP), Z)
+        aside, axle = turns @ Z[:, :, 0].T, turns @ Z[:, :, 1].T  # along the heading of each wheel, and its axle
+        rim = np.stack([aside, (s["spin"] + spin) / 2, turns[2] + s["steer_rate"]], 1)
+        damped = -np.sum(f_c * (mean @ R @ Z)) + np.sum(f_c.sum(1) * hub) + np.sum(np.cross(d, f_c).sum(1) * rim)
         w = 2 * np.pi * p["frequency"]
         damped += np.sum(2 * p["damping"] * w * s["modal_rate"] * (s["modal_rate"] + modal_rate) / 2)
         stored = self.cell * p["k_bristle"] * (np.sum(z**2) - np.sum(s["z"] ** 2)) / 2
@@ -166,7 +180,9 @@ class NumpyRover:
         s["damped"] += dt * damped
         s["slid"] -= dt * np.sum(tangential * mean) + stored
         s["fallen"] += dt * (down @ (p["m"] * rate + self.mass * mean.sum((0, 1))))
-        s["worked"] += dt * np.sum(torque * ((s["spin"] + spin) / 2 - turns[1]))
+        s["worked"] += dt * np.sum(torque * ((s["spin"] + spin) / 2 - axle))
+        held = p["J_w"] * (s["spin"] + spin) / 2 * aside - moment[:, 2]  # torque that holds the steering angle
+        s["worked"] += dt * np.sum(held * s["steer_rate"])
         s["impulse"] = s["impulse"] + dt * (p["m"] * down + outside.sum((0, 1)))
         s["twist"] = s["twist"] + dt * (np.cross(r, p["m"] * down) + np.cross(x, outside).sum((0, 1)))
 
@@ -203,6 +219,11 @@ def _turned(q: np.ndarray, angle: np.ndarray) -> np.ndarray:
     turned = Rotation.from_quat(q[[1, 2, 3, 0]]) * Rotation.from_rotvec(angle)
     found: np.ndarray = turned.as_quat()[[3, 0, 1, 2]]
     return found if found @ q > 0 else -found
+
+
+def _axes(steered: np.ndarray) -> np.ndarray:
+    """Return the axes (4, 3, 3) of steered wheels, as columns in body axes."""
+    return Rotation.from_rotvec(np.outer(steered, UP)).as_matrix()
 
 
 def _distance(face: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""The ports of wheels and chassis under one name each, wherever a robot has them.
+"""The ports of wheels, drive and chassis under one name each, wherever a robot has them.
 
 Whoever draws, compares or judges asks for ``wheels.normal_force`` and ``chassis.acceleration``.  A robot whose wheels
 and chassis are part of its body has these ports itself, as ``body.normal_force`` and ``body.station_acceleration``.
@@ -12,12 +12,15 @@ import numpy as np
 
 Read = Callable[[str], "np.ndarray | None"]
 
-_PARTS, _WHOLE = ("wheels", "chassis"), "body"
-_OTHERWISE = {"chassis.acceleration": f"{_WHOLE}.station_acceleration"}  # the body has an acceleration of its own
+_PARTS, _WHOLE = ("wheels", "chassis", "drive"), "body"
+_OTHERWISE = {
+    "chassis.acceleration": f"{_WHOLE}.station_acceleration",  # the body has an acceleration of its own
+    "drive.spin": f"{_WHOLE}.wheel_spin",
+}
 
 
 def at_body(port: str) -> str:
-    """Return the name that a port has at a robot whose wheels and chassis are part of its body."""
+    """Return the name that a port has at a robot whose wheels, drive and chassis are part of its body."""
     part, _, name = port.partition(".")
     return _OTHERWISE.get(port, f"{_WHOLE}.{name}" if part in _PARTS else port)
 

@@ -17,11 +17,12 @@ from cosim import DeclarationError, parameter, state, structural, table
 
 from .contact import COLUMNS as PATH_COLUMNS
 from .full_order_accounts import energies, momenta
-from .full_order_outputs import chassis_seen, rings_seen
+from .full_order_outputs import chassis_seen, measured, rings_seen
 from .full_order_ports import NAMES, FullOrderPorts, packed, seen
+from .full_order_steering import rate
 from .full_order_step import frames, micro_step, rotation, turning
 from .rigid_body import LEVEL, wheel_centres
-from .ring import MATERIAL, share, shifted
+from .ring import MATERIAL, UNLIMITED, share, shifted
 from .ring_contact import COLUMNS, keys
 
 _LEVEL = [[-1e9, *3 * (0, 0, 0, 0)]]
@@ -69,6 +70,8 @@ class FullOrderRover(FullOrderPorts):
     mu_d = parameter(0.3, "1", "coefficient of dynamic friction")
     v_slip = parameter(0.2, "m/s", "speed of sliding at which the difference of the two has fallen to 1/e")
     laid_on = parameter(0.0, "1", "share of the traction asked for that is laid on at the ground, without limit")
+    v_min = parameter(0.1, "m/s", "speed below which slip is measured against a part of it, so that rest has one")
+    steer_speed = parameter(10.0, "rad/s", "rate at which a wheel is steered, at most")
     v_drive = parameter(0.5, "m/s", "slip at which a drive that is asked for traction gives half of it")
     frequency = parameter(25.0, "Hz", "undamped natural frequencies", shape="modes")
     damping = parameter(5e-5, "1", "damping ratios", shape="modes")
@@ -86,6 +89,8 @@ class FullOrderRover(FullOrderPorts):
     H = state([0.0, 0.0, 0.0], "N.m.s", "angular momentum of body and rims about it, world")
     spin = state([0.0] * 4, "rad/s", "spin of each rim about its axle, in the world")
     angle = state([0.0] * 4, "rad", "how far each rim has turned in the body")
+    steered = state([0.0] * 4, "rad", "steering angle of each wheel")
+    steer_rate = state([0.0] * 4, "rad/s", "rate of steering in this step")
     modal_q = state(0.0, "m", "modal coordinates (m kg^1/2)", shape="modes", nominal=1e-3)
     modal_rate = state(0.0, "m/s", "their time derivatives (m kg^1/2 / s)", shape="modes", nominal=1e-2)
     x_fl = state(0.0, "m", "nodes of the front left ring, world", shape=("nodes", 3))
@@ -104,6 +109,7 @@ class FullOrderRover(FullOrderPorts):
     normal_sum = state([0.0] * 4, "N.s", "normal impulse since the step began", nominal=0.1)
     traction_sum = state([0.0] * 4, "N.s", "impulse of friction along the ground since the step began", nominal=0.1)
     lateral_sum = state([0.0] * 4, "N.s", "lateral impulse since the step began", nominal=0.1)
+    sliding_sum = state([0.0] * 4, "N.s", "normal impulse of what slid since the step began", nominal=0.1)
     axle_sum = state([[0.0] * 3] * 4, "N.s", "impulse of each wheel on the body since then, body axes", nominal=0.1)
     elapsed = state(0.0, "s", "time since the step began")
     v_begun = state([0.0] * 3, "m/s", "velocity when the step began")
@@ -150,8 +156,9 @@ class FullOrderRover(FullOrderPorts):
 
     def sync(s: Any) -> dict[str, Any]:
         none = ca.MX.zeros(4)
-        _, omega = turning()(s.q, s.H, s.spin, s.inertia, s.J_w)
+        _, omega = turning()(s.q, s.H, s.spin, s.steered, s.inertia, s.J_w)
         return {"q": s.q / ca.norm_2(s.q), "normal_sum": none, "traction_sum": none, "lateral_sum": none,
+                "sliding_sum": none, "steer_rate": rate(s),
                 "axle_sum": ca.MX.zeros(4, 3), "elapsed": 0, "v_begun": s.v, "rate_begun": omega,
                 "modal_begun": s.modal_rate}  # fmt: skip
 
@@ -161,10 +168,10 @@ class FullOrderRover(FullOrderPorts):
     def outputs(s: Any) -> dict[str, Any]:
         began = s.elapsed > 0
         span = ca.if_else(began, s.elapsed, 1)
-        R, omega = turning()(s.q, s.H, s.spin, s.inertia, s.J_w)
+        R, omega = turning()(s.q, s.H, s.spin, s.steered, s.inertia, s.J_w)
         lift, lift_rate = s.wheel_shape @ s.modal_q, s.wheel_shape @ s.modal_rate
         size = packed(s, ("L_f", "L_r", "half_track", "h"))
-        frame, _ = frames()(R, omega, s.r, s.v, size, lift, lift_rate, s.spin, s.angle)
+        frame, _ = frames()(R, omega, s.r, s.v, size, lift, lift_rate, s.spin, s.angle, s.steered, s.steer_rate)
         normal, axle = ca.if_else(began, s.normal_sum / span, s.pressing), s.axle_sum / span
         found = seen(s, omega, lift, lift_rate, s.lateral_sum / span)
         return {
@@ -172,8 +179,10 @@ class FullOrderRover(FullOrderPorts):
             "pitch": ca.asin(ca.fmax(-1, ca.fmin(1, R[2, 0]))),
             "acceleration": R.T @ ca.if_else(began, (s.v - s.v_begun) / span, 0),
             "angular_acceleration": ca.if_else(began, (omega - s.rate_begun) / span, 0),
-            "wheel_spin": s.spin - omega[1],
-            "normal_force": normal, "normal_force_end": s.pressing, "friction_limit": s.mu_s * normal,
+            "wheel_spin": frame[18, :].T, "steer_angle": s.steered, **measured(s, found["contact_velocity"]),
+            "normal_force": normal, "normal_force_end": s.pressing,
+            "sliding": s.sliding_sum / ca.fmax(s.normal_sum, 1e-9),
+            "friction_limit": ca.if_else(s.laid_on >= 1, UNLIMITED, s.mu_s) * normal,
             "traction": s.traction_sum / span, "lateral": s.lateral_sum / span,
             "axle_force": axle, "wheel_force": axle[:, 2],
             "contact": s.pressing > 0, "wheel_centre": frame[9:12, :].T, "stable_step": _stable(s),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 
 from .full_order_ports import NAMES, WHEELS, packed, rows_of
+from .full_order_steering import aligned
 from .ring import CONTACT, MATERIAL, crossed, share
 from .ring_wheel import ring
 
@@ -42,7 +43,9 @@ def accounts(s: Any, at: Middle, after: After) -> dict[str, Any]:
     laid = at.R.T @ at.load.force
     outside = ca.dot(s.force, rate) + ca.dot(s.moment + at.load.moment, turns)
     outside += sum(ca.dot(laid[:, k], hubs[k]) for k in WHEELS)
-    driven = ca.dot(at.torque, (s.spin + after.spin) / 2 - turns[1])
+    spin, across = (s.spin + after.spin) / 2, aligned(-at.steered, ca.repmat(turns, 1, 4))
+    driven = ca.dot(at.torque, spin - across[1, :].T)
+    driven += ca.dot(s.J_w * spin * across[0, :].T - at.moments[2, :].T, s.steer_rate)  # what holds the angles
     weight = ca.vertcat(0, 0, -at.g * s.m)
     on_body = s.force + weight + ca.sum2(at.load.force)
     turning = ca.cross(at.r, on_body) + at.R @ (s.moment + at.load.moment + ca.sum2(crossed(at.arms, laid)))
@@ -77,9 +80,10 @@ def _wheel(s: Any, at: Middle, after: After, k: int) -> _Wheel:
     cell, rate, turns = material.length * n / s.points, (s.v + after.v) / 2, (at.omega + after.omega) / 2
     mean = (getattr(s, f"v_{NAMES[k]}").T + after.v_ring[k]) / 2
     lift_rate = s.wheel_shape @ (s.modal_rate + after.modal_rate) / 2
-    hub = _hub_velocity(at, rate, turns, lift_rate, k)
-    rim = ca.vertcat(turns[0], (s.spin[k] + after.spin[k]) / 2, turns[2])
-    by_dampers = ca.sum2(ca.sum1(of[1] * (at.R.T @ mean))) + ca.dot(of[6][:, 0], hub) + ca.dot(of[6][:, 1], rim)
+    hub = at.wheels[k].T @ at.R @ _hub_velocity(at, rate, turns, lift_rate, k)
+    across = aligned(-at.steered[k], turns)
+    rim = ca.vertcat(across[0], (s.spin[k] + after.spin[k]) / 2, turns[2] + s.steer_rate[k])
+    by_dampers = ca.sum2(ca.sum1(of[1] * (at.wheels[k].T @ mean))) + ca.dot(of[6][:, 0], hub) + ca.dot(of[6][:, 1], rim)
     stored = cell * s.k_bristle * (ca.sumsqr(of[4]) - ca.sumsqr(getattr(s, f"z_{NAMES[k]}"))) / 2
     total = of[2] + of[3] - ca.vertcat(ca.MX.zeros(2, n), ca.repmat(at.g * material.mass, 1, n))
     return _Wheel(
@@ -110,6 +114,7 @@ def energies(s: Any, omega: Any, frame: Any) -> dict[str, Any]:
         "contact_energy": sum(o[1] for o in of),
         "potential_energy": -s.fallen,
         "dissipated_energy": s.damped + s.slid,
+        "slip_energy": s.slid,
         "work": s.worked,
     }
 

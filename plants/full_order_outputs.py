@@ -10,6 +10,7 @@ import casadi as ca
 from .full_order_ports import NAMES, WHEELS, packed, rows_of
 from .ring import CONTACT, MATERIAL
 from .ring_wheel import ring
+from .tyre import wheel_slip
 
 RINGS = ("ring_nodes", "ring_normal", "ring_friction")
 
@@ -25,6 +26,18 @@ def chassis_seen(s: Any, rate: Any) -> dict[str, Any]:
         "strain_energy": ca.sumsqr(2 * pi * s.frequency * s.modal_q) / 2,
         "elastic_kinetic_energy": ca.sumsqr(s.modal_rate) / 2,
     }
+
+
+def measured(s: Any, velocity: Any) -> dict[str, Any]:
+    """Return slip ratio, slip angle and what they are measured against, as those of `WheelDrive`, by its definitions.
+
+    *velocity* (4, 2) is that of the hubs along their headings, and to the left.
+    """
+    slip = wheel_slip(s.R * s.spin, velocity[:, 0], velocity[:, 1], s.v_min)
+    return {
+        "slip": slip.ratio, "slip_speed": slip.speed,
+        "slip_angle": ca.atan2(velocity[:, 1], ca.sqrt(velocity[:, 0] ** 2 + s.v_min**2)),
+    }  # fmt: skip
 
 
 def rings_seen(s: Any, frame: Any) -> dict[str, Any]:

@@ -29,6 +29,7 @@ class FullOrderPorts(Component):
     """Inputs and outputs of `FullOrderRover`; forces are means over the communication step unless said otherwise."""
 
     torque = WheelDrive.torque
+    steer = RigidBody.steer
     traction_demand = input("N", "traction asked of each wheel, forward positive", shape=4)
     force = RigidBody.force
     moment = RigidBody.moment
@@ -43,12 +44,19 @@ class FullOrderPorts(Component):
     acceleration = output("m/s2", "mean acceleration over the step, body axes", shape=3)
     angular_acceleration = output("rad/s2", "mean angular acceleration over the step, body axes", shape=3)
     wheel_spin = output("rad/s", "spin of each rim in the body", shape=4)
+    steer_angle = output("rad", "steering angle that each wheel has, to the left positive", shape=4)
+    slip = output("1", "slip ratio of each rim at the end of the step, as if it rolled on the radius R", shape=4)
+    slip_angle = WheelDrive.slip_angle
+    slip_speed = WheelDrive.slip_speed
 
     normal_force = output("N", "mean normal force of each wheel", shape=4)
     normal_force_end = output("N", "normal force of each wheel at the end of the step", shape=4)
     traction = output("N", "mean traction, forward positive: friction along the ground, and what is laid on", shape=4)
     lateral = output("N", "mean lateral force, to the left positive", shape=4)
-    friction_limit = output("N", "friction available: mu_s times the mean normal force", shape=4)
+    friction_limit = output(
+        "N", "friction available: mu_s times the mean normal force; without limit 1e6 times", shape=4
+    )
+    sliding = output("1", "share of the normal impulse of each wheel that was carried by what slid", shape=4)
     axle_force = output("N", "mean force of each wheel on the body, body axes", shape=(4, 3))
     wheel_force = output("N", "the same along the body's z axis", shape=4)
     contact = output("1", "1 where a wheel presses the ground, else 0", shape=4)
@@ -81,6 +89,7 @@ class FullOrderPorts(Component):
     elastic_energy = output("J", "energy stored in rings and modes")
     contact_energy = output("J", "energy stored in contacts and bristles")
     dissipated_energy = output("J", "energy lost in dampers and friction since the start")
+    slip_energy = output("J", "the part of it that friction took")
     work = output("J", "work of motors, of what is laid on and of external forces since the start")
     momentum = output("N.s", "linear momentum, world", shape=3)
     angular_momentum = output("N.m.s", "angular momentum about the world's origin", shape=3)
@@ -91,7 +100,7 @@ SENSED = ("gap", "gap_rate", "contact_velocity", "slope", "curvature", "contact_
           "P", "U", "b_free")  # fmt: skip
 _GIVEN: dict[str, Any] = {
     "q": 4, "r": 3, "v": 3, "omega": 3, "m": 1, "inertia": 3, "L_f": 1, "L_r": 1, "half_track": 1, "h": 1, "R": 1,
-    "g": 1, "force": 3, "moment": 3, "lateral": 4,
+    "g": 1, "force": 3, "moment": 3, "lateral": 4, "steer": 4,
 }  # fmt: skip
 
 
@@ -101,7 +110,7 @@ def sensed() -> ca.Function:
     s: dict[str, Any] = {name: ca.SX.sym(name, n) for name, n in _GIVEN.items()}
     rows, lift, lift_rate = ca.SX.sym("rows", 4, COLUMNS), ca.SX.sym("lift", 4), ca.SX.sym("lift_rate", 4)
     none = ca.SX.zeros(4)
-    body = SimpleNamespace(**s, left=rows, right=rows, steer=none, normal_force=none, traction=none, mu_r=0,
+    body = SimpleNamespace(**s, left=rows, right=rows, normal_force=none, traction=none, mu_r=0,
                            traction_arm="ground")  # fmt: skip
     where = place(body)
     near = where.feet()
@@ -126,7 +135,8 @@ def sensed() -> ca.Function:
 
 def seen(s: Any, omega: Any, lift: Any, lift_rate: Any, lateral: Any) -> dict[str, Any]:
     """Return the outputs SENSED of the robot, in MX."""
-    given = {**{n: getattr(s, n) for n in _GIVEN if n not in ("omega", "lateral")}, "omega": omega, "lateral": lateral}
+    given = {**{n: getattr(s, n) for n in _GIVEN if n not in ("omega", "lateral", "steer")}}
+    given |= {"omega": omega, "lateral": lateral, "steer": s.steered}
     rows = path_rows(s)
     values = sensed().call([*(given[n] for n in _GIVEN), rows, lift, lift_rate])
     return dict(zip(SENSED, values, strict=True))

@@ -12,6 +12,7 @@ A force F of wheel k on its hub, in body axes, where the chassis has lifted the 
 
 so that what the wheels do is what the body, its modes and the rims get.  (The inertia of the body is that of its shape
 at rest: terms of second order in the elastic displacement are left out.)
+Steered wheels: see `full_order_steering`.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ import casadi as ca
 from .contact import COLUMNS, rotation_matrix
 from .full_order_accounts import After, accounts
 from .full_order_ports import NAMES, WHEELS, packed, path_rows, rows_of
+from .full_order_steering import aligned, axles
 from .rigid_body import contacts, place
 from .ring import CONTACT, MATERIAL, crossed, share
 from .ring_wheel import ring
@@ -43,11 +45,12 @@ def rotation() -> ca.Function:
 
 @lru_cache(maxsize=1)
 def turning() -> ca.Function:
-    """Return (q, H, spin, inertia, J) -> (R, omega): attitude and angular velocity in body axes."""
-    q, H, spin, inertia, J = (ca.SX.sym(n, k) for n, k in (("q", 4), ("H", 3), ("spin", 4), ("inertia", 3), ("J", 1)))
+    """Return (q, H, spin, steered, inertia, J) -> (R, omega): attitude and angular velocity in body axes."""
+    q, H, spin, steered, inertia, J = (ca.SX.sym(n, k) for n, k in (
+        ("q", 4), ("H", 3), ("spin", 4), ("steered", 4), ("inertia", 3), ("J", 1)))  # fmt: skip
     R = rotation_matrix(q)
-    omega = (R.T @ H - ca.vertcat(0, J * ca.sum1(spin), 0)) / inertia
-    return ca.Function("turning", [q, H, spin, inertia, J], ca.cse([R, omega]))
+    omega = (R.T @ H - J * axles(steered) @ spin) / inertia
+    return ca.Function("turning", [q, H, spin, steered, inertia, J], ca.cse([R, omega]))
 
 
 @lru_cache(maxsize=1)
@@ -63,34 +66,38 @@ def turned() -> ca.Function:
 
 @lru_cache(maxsize=1)
 def frames() -> ca.Function:
-    """Return (R, omega, r, v, size, lift, lift_rate, spin, angle) -> (frames (FRAME, 4), arms (3, 4)) of the wheels.
+    """Return (R, omega, r, v, size, lift, lift_rate, spin, angle, steered, rate) -> (frames (FRAME, 4), arms (3, 4)).
 
-    *size* is L_f, L_r, half_track and h, *lift* (4,) how far the chassis has bent at the hubs, upwards.
+    Of the wheels: *size* is L_f, L_r, half_track and h, *lift* (4,) how far the chassis has bent at the hubs, upwards,
+    *rate* that of steering.
     """
     R, given = ca.SX.sym("R", 3, 3), {n: ca.SX.sym(n, k) for n, k in (
         ("omega", 3), ("r", 3), ("v", 3), ("size", 4), ("lift", 4), ("lift_rate", 4), ("spin", 4),
-        ("angle", 4))}  # fmt: skip
-    omega, r, v, size, lift, lift_rate, spin, angle = given.values()
+        ("angle", 4), ("steered", 4), ("rate", 4))}  # fmt: skip
+    omega, r, v, size, lift, lift_rate, spin, angle, steered, rate = given.values()
+    ahead, turns = aligned(steered, ca.repmat(ca.DM([1, 0, 0]), 1, 4)), aligned(-steered, ca.repmat(omega, 1, 4))
     columns, arms = [], []
     for k in WHEELS:
         arm = ca.vertcat(size[0] if k < 2 else -size[1], size[2] * (1 if k % 2 == 0 else -1), -size[3] + lift[k])
         velocity = v + R @ (ca.cross(omega, arm) + ca.vertcat(0, 0, lift_rate[k]))
-        columns.append(ca.vertcat(ca.vec(R), r + R @ arm, velocity, omega, spin[k] - omega[1], angle[k]))
+        wheel = R @ ca.horzcat(ahead[:, k], axles(steered)[:, k], ca.DM([0, 0, 1]))
+        turn = turns[:, k] + ca.vertcat(0, 0, rate[k])
+        columns.append(ca.vertcat(ca.vec(wheel), r + R @ arm, velocity, turn, spin[k] - turn[1], angle[k]))
         arms.append(arm)
-    return ca.Function("frames", [R, *given.values()], [ca.horzcat(*columns), ca.horzcat(*arms)])
+    return ca.Function("frames", [R, *given.values()], ca.cse([ca.horzcat(*columns), ca.horzcat(*arms)]))
 
 
 @lru_cache(maxsize=1)
 def headings() -> ca.Function:
-    """Return (q, r, size, R, rows (4, 16)) -> directions of traction and normals (3, 4) where round wheels touch."""
-    q, r, size = ca.SX.sym("q", 4), ca.SX.sym("r", 3), ca.SX.sym("size", 4)
+    """Return (q, r, steered, size, R, rows (4, 16)) -> directions of traction and normals where round wheels touch."""
+    q, r, steered, size = ca.SX.sym("q", 4), ca.SX.sym("r", 3), ca.SX.sym("steered", 4), ca.SX.sym("size", 4)
     R, rows = ca.SX.sym("R"), ca.SX.sym("rows", 4, COLUMNS)
-    body = SimpleNamespace(q=q, r=r, R=R, left=rows, right=rows, steer=ca.SX.zeros(4),
+    body = SimpleNamespace(q=q, r=r, R=R, left=rows, right=rows, steer=steered,
                            **dict(zip(("L_f", "L_r", "half_track", "h"), ca.vertsplit(size), strict=True)))  # fmt: skip
     where = place(body)
     at = contacts(body, where, where.feet())
     found: Any = [ca.horzcat(*(where.rotation @ getattr(c, name) for c in at)) for name in ("along", "normal")]
-    return ca.Function("headings", [q, r, size, R, rows], ca.cse(found))
+    return ca.Function("headings", [q, r, steered, size, R, rows], ca.cse(found))
 
 
 def gravity(s: Any, time: Any) -> Any:
@@ -121,15 +128,13 @@ class Load:
     traction: Any  # (4,) N, the part of it that was asked for as traction
 
 
-def load(s: Any, q: Any, r: Any, R: Any) -> Load:
+def load(s: Any, R: Any, along: Any, normal: Any) -> Load:
     """Return the external forces on the hubs, and the share of the traction that is laid on where wheels press.
 
     That acts along the ground in the point where a round wheel would touch, c_k - R n_k, as in the reduced model: the
     unlimited traction of an analysis, which no rubber would pass on.
     """
     asked = (s.pressing > 0) * s.laid_on * s.traction_demand
-    size = packed(s, ("L_f", "L_r", "half_track", "h"))
-    along, normal = headings()(q, r, size, s.R, path_rows(s))
     laid = along * ca.repmat(asked.T, 3, 1)
     return Load(s.hub_force.T + laid, -s.R * R.T @ ca.sum2(crossed(normal, laid)), asked)
 
@@ -144,9 +149,13 @@ class Middle:
     q: Any
     bend: Any  # modal coordinates
     angle: Any
+    steered: Any
     x: list[Any]  # nodes of each ring (3, n)
+    wheels: list[Any]  # axes of each wheel, to world
+    along: Any  # (3, 4) directions of traction, world
     arms: Any  # (3, 4) of the hubs, body axes
-    of: list[Any]  # results of `Ring.forces`, wheel by wheel
+    of: list[Any]  # results of `Ring.forces`, wheel by wheel, in the axes of the wheels
+    moments: Any  # (3, 4) of the rings on the hubs, axes of the wheels
     load: Load
     torque: Any
     g: Any
@@ -154,26 +163,30 @@ class Middle:
     @property
     def on_hub(self) -> Any:
         """Force (3, 4) on the body at each hub, body axes: of the ring, and from outside."""
-        return ca.horzcat(*(o[5][:, 0] for o in self.of)) + self.R.T @ self.load.force
+        return aligned(self.steered, ca.horzcat(*(o[5][:, 0] for o in self.of))) + self.R.T @ self.load.force
 
 
 def middle(s: Any) -> Middle:
     """Return the robot half a drift on, with all forces."""
     h, size = s.dt / 2, packed(s, ("L_f", "L_r", "half_track", "h"))
-    _, omega = turning()(s.q, s.H, s.spin, s.inertia, s.J_w)
+    _, omega = turning()(s.q, s.H, s.spin, s.steered, s.inertia, s.J_w)
     q, r, bend = turned()(s.q, omega, h), s.r + h * s.v, s.modal_q + h * s.modal_rate
-    angle = s.angle + h * (s.spin - omega[1])
+    angle = s.angle + h * (s.spin - axles(s.steered).T @ omega)
+    steered = s.steered + h * s.steer_rate
     x = [getattr(s, f"x_{k}").T + h * getattr(s, f"v_{k}").T for k in NAMES]
-    R, omega = turning()(q, s.H, s.spin, s.inertia, s.J_w)
-    frame, arms = frames()(R, omega, r, s.v, size, s.wheel_shape @ bend, s.wheel_shape @ s.modal_rate, s.spin, angle)
+    R, omega = turning()(q, s.H, s.spin, steered, s.inertia, s.J_w)
+    frame, arms = frames()(R, omega, r, s.v, size, s.wheel_shape @ bend, s.wheel_shape @ s.modal_rate, s.spin, angle,
+                           steered, s.steer_rate)  # fmt: skip
     of = [
         ring(s.nodes, s.points).forces(
             x[k], getattr(s, f"v_{NAMES[k]}").T, getattr(s, f"z_{NAMES[k]}").T, rows_of(s, k), frame[:, k],
             packed(s, MATERIAL), packed(s, CONTACT), s.dt) for k in WHEELS
     ]  # fmt: skip
-    along = ca.vertcat(*(ca.dot(R[:, 0], frame[12:15, k]) for k in WHEELS))
-    return Middle(R, omega, r, q, bend, angle, x, arms, of, load(s, q, r, R), drive_torque(s, s.spin, along),
-                  gravity(s, s.time + h))  # fmt: skip
+    speed = ca.sum1(frame[:3, :] * frame[12:15, :]).T
+    along, normal = headings()(q, r, steered, size, s.R, path_rows(s))
+    wheels, moments = [ca.reshape(frame[:9, k], 3, 3) for k in WHEELS], ca.horzcat(*(o[5][:, 1] for o in of))
+    return Middle(R, omega, r, q, bend, angle, steered, x, wheels, along, arms, of, moments,
+                  load(s, R, along, normal), drive_torque(s, s.spin, speed), gravity(s, s.time + h))  # fmt: skip
 
 
 def micro_step(s: Any) -> dict[str, Any]:
@@ -184,19 +197,22 @@ def micro_step(s: Any) -> dict[str, Any]:
 
     # the kick
     v = s.v + s.dt * (at.R @ ca.sum2(at.on_hub) / s.m + s.force / s.m + down)
-    moment = ca.sum2(crossed(at.arms, at.on_hub)) + sum(o[5][:, 1] for o in at.of) + s.moment + at.load.moment
+    moment = ca.sum2(crossed(at.arms, at.on_hub)) + ca.sum2(aligned(at.steered, at.moments)) + s.moment + at.load.moment
     H = s.H + s.dt * at.R @ moment
-    spin = s.spin + s.dt * (at.torque + ca.vertcat(*(o[5][1, 1] for o in at.of))) / s.J_w
+    spin = s.spin + s.dt * (at.torque + at.moments[1, :].T) / s.J_w
     lifted = s.wheel_shape.T @ at.on_hub[2, :].T
     modal_rate = s.modal_rate + s.dt * (lifted - 2 * s.damping * w * s.modal_rate - w**2 * at.bend)
-    v_ring = [getattr(s, f"v_{NAMES[k]}").T + s.dt * ((at.R @ at.of[k][0] + at.of[k][2] + at.of[k][3]) / mass + down)
-              for k in WHEELS]  # fmt: skip
+    v_ring = [
+        getattr(s, f"v_{NAMES[k]}").T + s.dt * ((at.wheels[k] @ at.of[k][0] + at.of[k][2] + at.of[k][3]) / mass + down)
+        for k in WHEELS
+    ]
 
     # half a drift
-    _, omega = turning()(at.q, H, spin, s.inertia, s.J_w)
+    _, omega = turning()(at.q, H, spin, at.steered, s.inertia, s.J_w)
     found = {
         "r": at.r + h * v, "q": turned()(at.q, omega, h), "v": v, "H": H, "spin": spin,
-        "angle": at.angle + h * (spin - omega[1]), "modal_q": at.bend + h * modal_rate, "modal_rate": modal_rate,
+        "angle": at.angle + h * (spin - axles(at.steered).T @ omega), "steered": at.steered + h * s.steer_rate,
+        "modal_q": at.bend + h * modal_rate, "modal_rate": modal_rate,
     }  # fmt: skip
     for k, name in enumerate(NAMES):
         found |= {f"x_{name}": (at.x[k] + h * v_ring[k]).T, f"v_{name}": v_ring[k].T, f"z_{name}": at.of[k][4].T}
@@ -204,14 +220,21 @@ def micro_step(s: Any) -> dict[str, Any]:
 
 
 def _felt(s: Any, at: Middle) -> dict[str, Any]:
-    """Return what the wheels felt: the last forces, and impulses since the communication step began."""
+    """Return what the wheels felt: the last forces, and impulses since the communication step began.
+
+    Friction is summed along the road and across; along a wheel and to its left it is that turned by its heading.
+    """
     sums = ca.horzcat(*(o[7] for o in at.of))
+    across = at.along[1, :].T
+    ahead = ca.sign(at.along[0, :].T) * ca.sqrt(ca.fmax(0, 1 - across**2))
+    along, left = sums[1, :].T, sums[2, :].T
     passed_on = at.on_hub - at.R.T @ s.hub_force.T
     return {
         "pressing": sums[0, :].T,
         "normal_sum": s.normal_sum + s.dt * sums[0, :].T,
-        "traction_sum": s.traction_sum + s.dt * (sums[1, :].T + at.load.traction),
-        "lateral_sum": s.lateral_sum + s.dt * sums[2, :].T,
+        "traction_sum": s.traction_sum + s.dt * (ahead * along + across * left + at.load.traction),
+        "lateral_sum": s.lateral_sum + s.dt * (ahead * left - across * along),
+        "sliding_sum": s.sliding_sum + s.dt * sums[4, :].T,
         "axle_sum": s.axle_sum + s.dt * passed_on.T,
         "elapsed": s.elapsed + s.dt,
         "push": ca.vertcat(*(_lengths(o[2]) for o in at.of)),

@@ -25,6 +25,7 @@ import numpy as np
 # what a ring is made of, in the order in which the functions below take it
 MATERIAL = ("R", "ring_mass", "k_radial", "k_tangential", "c_radial", "c_tangential", "EA", "EI")
 CONTACT = ("k_contact", "k_bristle", "mu_s", "mu_d", "v_slip")
+UNLIMITED = 1e6  # friction coefficient that stands for none
 _SMALL = 1e-12  # m, keeps a ring finite whose nodes are in one point, as they are before start values are set
 FRAME = 20  # rotation (9, column by column), hub (3), its velocity (3), omega (3), turning of the rim, its angle
 

@@ -24,7 +24,7 @@ import numpy as np
 from .ring import CONTACT, between
 
 COLUMNS = 13  # x_start | xa, a0..a2 | xb, b0..b2 | xc, c0..c2
-SUMS = 4  # normal force, force along, force to the left, energy of the penalty
+SUMS = 5  # normal force, force along, force to the left, energy of the penalty, normal force of what slides
 _SMALL = 1e-12  # keeps roots differentiable at zero
 
 
@@ -111,5 +111,5 @@ def _pressed(nodes: int, points: int, x: Any, v: Any, rows: Any, z: Any, contact
         normal += F * n @ ca.SX(w).T
         tangential += (f_t * t + ca.vertcat(0, f_l, 0)) @ ca.SX(w).T
         moved.append(new)
-        sums += ca.vertcat(F, f_t, f_l, F * ca.fmax(0, -d) / 2)
+        sums += ca.vertcat(F, f_t, f_l, F * ca.fmax(0, -d) / 2, F * (mu * F < pull))
     return normal, tangential, ca.horzcat(*moved), sums

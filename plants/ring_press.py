@@ -23,14 +23,13 @@ import numpy as np
 
 from cosim.errors import DeclarationError
 
-from .ring import CONTACT, FRAME, MATERIAL, around, between
+from .ring import CONTACT, FRAME, MATERIAL, UNLIMITED, around, between
 from .ring_contact import COLUMNS
 from .ring_wheel import ring
 
 STIFFNESSES = ("k_radial", "k_tangential", "EA", "EI", "k_contact", "k_bristle")
 DAMPINGS = ("c_radial", "c_tangential")
 _ITERATIONS = 60
-_UNLIMITED = 1e6  # friction coefficient that stands for none
 _SPREAD = 0.04  # m, about the length of ring that carries a load: where the search for a depth begins
 _RESIDUAL = 1e-9  # of the load
 
@@ -188,6 +187,6 @@ def pressed(rover: Any) -> dict[str, np.ndarray]:
     values, size = rover.values, (rover.nodes, rover.points)
     load = rover.m * rover.g / 4
     depth = depth_under(values, *size, load)
-    mu = rover.mu_s if rover.laid_on < 1 else _UNLIMITED
+    mu = rover.mu_s if rover.laid_on < 1 else UNLIMITED
     found = {"k_w": load / depth, "c_w": damping(values, *size, depth), "mu": mu}
     return {name: np.full(4, value) for name, value in found.items()}

@@ -60,10 +60,12 @@ class Stance:
     speed: float = 0.0  # m/s, along +x
 
 
-def wires(slots: Mapping[str, Mapping[str, Variable]]) -> dict[str, str]:
+def wires(slots: Mapping[str, Mapping[str, Variable]], *, driven: bool = False) -> dict[str, str]:
     """Return the connections among the slots that are filled, by the ports that their components have.
 
     A controller's input without a wire of its own reads the port of the same name of the drive, the body or the wheels.
+    A robot that has its own drive takes what is asked of it once: torques if it is *driven*, as by the drive of the
+    analytical robot, else the traction.
     """
 
     def has(port: str, causality: str) -> bool:
@@ -78,8 +80,8 @@ def wires(slots: Mapping[str, Mapping[str, Variable]]) -> dict[str, str]:
             source = next((s for s in sources if has(s, "output")), None)
             if source is not None:
                 found[target] = source
-    if "body.traction_demand" in found:  # a robot that drives itself takes what is asked of it once
-        found.pop("body.torque", None)
+    if {"body.torque", "body.traction_demand"} <= set(found):
+        found.pop("body.traction_demand" if driven else "body.torque")
     return found
 
 

@@ -57,6 +57,7 @@ class Assembly:
     starts: dict[str, np.ndarray] = field(default_factory=dict)
     robot: Robot | None = None
     ground: Ground | None = None
+    driven: bool = False  # a body with its own drive is given torques, as the drive of the scenario would be
     notes: tuple[str, ...] = field(default=())
 
     def wiring(self, slots: Mapping[str, Mapping[str, Variable]]) -> dict[str, str | LinkSpec]:
@@ -64,7 +65,7 @@ class Assembly:
 
         Where something stands in a connection, it leads through it.
         """
-        own = rover.wires(slots) if self.robot is not None else {}
+        own = rover.wires(slots, driven=self.driven) if self.robot is not None else {}
         return rerouted({**own, **self.connections}, self.scenario.elements(), slots)
 
 
@@ -131,9 +132,10 @@ def _rover(scenario: Scenario, objects: Mapping[str, Component]) -> Assembly:
     bot = robot(str(changes.pop("table", "thesis_6_1"))).with_changes(**changes)
     road = _ground(sections.ground)
     whole = full_order.is_whole(scenario)
+    believed = full_order.believed(scenario) if whole else {}
     if whole:
         scenario = full_order.merged(scenario)
-    slots = {"body": Slot(type="RigidBody"), **scenario.components}
+    slots = {"body": Slot(type="RigidBody"), **scenario.components, **believed}
     if not whole and "wheels" not in {**slots, **objects}:
         raise ScenarioError(f"{scenario.name}: components.wheels is missing; a rover needs wheels")
     parts: dict[str, Component | str] = dict(objects)
@@ -144,7 +146,7 @@ def _rover(scenario: Scenario, objects: Mapping[str, Component]) -> Assembly:
         given = {**bot.body_parameters(), **road.tables(bot.R)} if slot.type == "RigidBody" else {}
         context = Context(bot, road, sections.start.x, sections.start.speed, scenario.run.duration, parts)
         parts[name] = fill(slot, f"components.{name}", given, context)
-    parts = {name: parts[name] for name in (*rover.ORDER, *slots) if name in parts}
+    parts = {name: parts[name] for name in (*rover.ORDER, *slots) if name in parts and name not in believed}
     starts: dict[str, np.ndarray] = {}
     own = {n: c for n, c in parts.items() if isinstance(c, Component)}
     stance = rover.Stance(sections.start.x, sections.start.speed)
@@ -153,7 +155,9 @@ def _rover(scenario: Scenario, objects: Mapping[str, Component]) -> Assembly:
         starts = full_order.start_values(body, road, stance)
     elif "body" in own and "wheels" in own:
         starts = rover.start_values(own, stance)
-    return _complete(scenario, parts, starts=starts, robot=bot, ground=road, notes=_notes(scenario))
+    return _complete(
+        scenario, parts, starts=starts, robot=bot, ground=road, driven=bool(believed), notes=_notes(scenario)
+    )
 
 
 def _notes(scenario: Scenario) -> tuple[str, ...]:

@@ -3,8 +3,10 @@
     [components.body]
     type = "FullOrderRover"
 
-What the scenario says of wheels, chassis and drive then describes the rings and the modes, and these slots fall away;
-what it puts into the connections of the wheels stands in those of the body.
+What the scenario says of wheels, chassis and drive then describes the rings, the modes and the rims, and these slots
+fall away; what it puts into the connections of wheels and drive stands in those of the body.  With a drive the rims are
+given the torques of the controller, without one the robot's own drive gives the traction it asks for.  The friction
+curve of the drive is then what a controller believes in: the rings have their own.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from plants.ground import Ground
 from plants.rover import Stance
 
 TYPE = FullOrderRover.__name__
-_WHEELS = ("k_w", "c_w", "mu")  # what is taken from the slot of the wheels
+_TAKEN = {"wheels": ("k_w", "c_w", "mu"), "drive": ("J_w", "v_min")}  # from these slots; J_w: of rims, without rings
 _LEVEL = 1e-9  # m
 _FOOT = 0.2  # of the radius: the ground there is level under a standing wheel
 
@@ -31,8 +33,13 @@ def is_whole(scenario: Scenario) -> bool:
     return "body" in scenario.components and scenario.components["body"].type == TYPE
 
 
+def believed(scenario: Scenario) -> dict[str, Slot]:
+    """Return the slot of the drive, if there is one, by its name: no part of the run, but designs build on it."""
+    return {name: slot for name, slot in scenario.components.items() if name == "drive"}
+
+
 def merged(scenario: Scenario) -> Scenario:
-    """Return the scenario with its wheels and its chassis in the slot of the body."""
+    """Return the scenario with its wheels, its drive and its chassis in the slot of the body."""
     slots = dict(scenario.components)
     found: dict[str, Any] = {}
     for name in ("wheels", "chassis", "drive"):
@@ -41,15 +48,19 @@ def merged(scenario: Scenario) -> Scenario:
             continue
         if slot.fmu is not None:
             raise ScenarioError(f"components.{name} is the FMU {slot.fmu}, but a {TYPE} has its own {name}")
-        if name == "wheels":
-            found |= {key: value for key, value in slot.parameters().items() if key in _WHEELS}
-        elif name == "chassis":
+        if name == "chassis":
             found["chassis"] = slot.parameters()
+        else:
+            found |= {key: value for key, value in slot.parameters().items() if key in _TAKEN[name]}
     body = slots["body"]
     slots["body"] = Slot.model_validate({**found, **body.model_dump(exclude_unset=True)})
-    through = {f"body.{t.removeprefix('wheels.')}" if t.startswith("wheels.") else t: chain
-               for t, chain in scenario.through.items()}  # fmt: skip
+    through = {_at_body(target): chain for target, chain in scenario.through.items()}
     return scenario.model_copy(update={"components": slots, "through": through})
+
+
+def _at_body(target: str) -> str:
+    slot, _, port = target.partition(".")
+    return f"body.{port}" if slot in _TAKEN else target
 
 
 def start_values(rover: FullOrderRover, ground: Ground, stance: Stance) -> dict[str, np.ndarray]:

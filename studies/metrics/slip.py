@@ -11,8 +11,8 @@ _LOADED = 1.0  # N, below which a wheel's share of its friction says nothing
 
 def motor_energy(time: np.ndarray, read: Signals) -> float | None:
     """Return the sum of the absolute work of the motors of a drive, in J; None without one or without its torques."""
-    torque, spin = read("controller.torque"), read("drive.spin")
-    if torque is None or spin is None:
+    torque, spin = read("drive.torque"), read("drive.spin")
+    if torque is None or spin is None or not np.any(torque):
         return None
     power = np.sum(np.abs(torque * spin), axis=1)
     return float(np.sum(power[1:] * np.diff(time)))

@@ -14,14 +14,18 @@ from plants.ground import Step
 
 STEP, MICRO, COUNT, SPEED = NS // 1000, 1e-4, 60, 2.0
 TORQUE = np.array([1.0, 2.0, 0.0, -1.0])
+STEER = np.array([0.2, 0.1, -0.1, 0.3])  # rad, growing to that
 
 
 def test_numpy_and_the_fmu_agree_over_a_step() -> None:
-    """Rings roll, stick and slide against a step of 30 mm, a mode shakes the hubs, gravity rises, motors pull."""
+    """Rings roll, stick and slide against a step of 30 mm, a mode shakes the hubs, gravity rises, motors pull.
+
+    All wheels are steered, each by its own angle, the last one faster than it can.
+    """
     ground = ground_table(Step(0.72, 0.03))
     rover = FullOrderRover(
         nodes=8, points=16, seen=8, EA=600.0, wheel_shape=[[0.05], [-0.03], [0.04], [0.02]], damping=[0.02],
-        micro_step=MICRO, gravity_time=0.05, ground_left=ground, ground_right=ground,
+        micro_step=MICRO, steer_speed=4.0, gravity_time=0.05, ground_left=ground, ground_right=ground,
     )  # fmt: skip
     starts = rolling(rover, 0.0, 0.5, SPEED)
     fmu, model = fmus.instantiate(rover), numpy_rover(rover, starts)
@@ -32,8 +36,10 @@ def test_numpy_and_the_fmu_agree_over_a_step() -> None:
     fmu.exit_initialization()
     peak = 0.0
     for n in range(COUNT):
+        steer = STEER * (n + 1) / COUNT
+        fmu.set("steer", steer)
         fmu.step(n * STEP, (n + 1) * STEP)
-        model.begin()
+        model.begin(steer, 1e-3)
         for i in range(10):
             model.step((n + i / 10) * 1e-3, MICRO, TORQUE)
         peak = max(peak, float(np.max(fmu.get("normal_force_end"))))

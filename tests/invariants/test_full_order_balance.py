@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import fmus
+from controllers.slip_control import SlipControl
 from cosim import Instance
 from cosim.clock import NS
 from plants.full_order import FullOrderRover
@@ -73,6 +74,34 @@ def test_balances_of_everything_that_can_be_laid_on() -> None:
     assert after[0] == pytest.approx(before[0], abs=1e-3 * abs(float(fmu.get("worked"))))
     assert np.max(np.abs(after[1] - before[1])) < 600 * 2.2e-16 * 340
     assert np.max(np.abs(after[2] - before[2])) < 600 * 2.2e-16 * 340
+
+
+def test_balances_of_a_steered_robot_with_slip_control() -> None:
+    """Slip control asks a slippery floor for too much while four wheels swing by angles of their own and a mode shakes.
+
+    Motors of drive and steering work; the wheels are turned to 0.3 rad and back at up to 9 rad/s.
+    """
+    rover = FullOrderRover(**NODES, mu_s=0.3, mu_d=0.2, wheel_shape=[[0.05], [-0.03], [0.04], [0.02]])
+    fmu = started(rover, settled(rover, 0.0, 0.0, 2.0))
+    law = SlipControl(demand=150.0, mu_peak=0.3).instance()
+    law.enter_initialization(0)
+    before, most = account(fmu), np.zeros(2)
+    for n in range(1500):
+        for name in ("slip", "slip_speed", "traction"):
+            law.set(name, fmu.get(name))
+        law.set("normal_force", fmu.get("normal_force_end"))
+        law.step(n * STEP, (n + 1) * STEP)
+        fmu.set("torque", law.get("torque"))
+        fmu.set("steer", np.array([0.3, 0.25, -0.2, 0.1]) * np.sin(30 * n * 1e-4))
+        fmu.step(n * STEP, (n + 1) * STEP)
+        most = np.maximum(most, [np.max(fmu.get("slip")), np.max(np.abs(fmu.get("lateral")))])
+    after = account(fmu)
+    assert most[0] > 0.05
+    assert most[1] > 50  # N: it slipped forwards and aside
+    assert fmu.get("worked") > 50
+    assert after[0] == pytest.approx(before[0], abs=1e-3 * abs(float(fmu.get("worked"))))
+    assert np.max(np.abs(after[1] - before[1])) < 3000 * 2.2e-16 * 340
+    assert np.max(np.abs(after[2] - before[2])) < 3000 * 2.2e-16 * 340
 
 
 def test_a_settled_robot_stays_at_rest() -> None:
