@@ -2,8 +2,9 @@
 
     python benchmarks/full_order_ab.py [SCENARIO [VARIANT ...]]
 
-The A/B of a scenario (ramp-impact-realistic) on the analytical robot, and beside it on the full-order one, with a rigid
-chassis and with one that bends: a table in Markdown.  A run of 1.2 s on the full-order robot takes 4 s or more.
+The A/B of a scenario (ramp-impact-realistic; slip-start for slip control) on the analytical robot, and beside it on the
+full-order one, with a rigid chassis and with one that bends: a table in Markdown.  A run of 1.2 s on the full-order
+robot takes 4 s or more.
 """
 
 from __future__ import annotations
@@ -22,18 +23,20 @@ PLANTS: dict[str, list[str]] = {
     "full order": [FULL],
 }
 FIGURES = {"front_off": "front off, ms", "front_unloaded": "front unloaded, ms", "front_normal_peak": "front peak, N"}
+SLIP = {"speed_max": "top speed, m/s", "slip_loss": "lost in slip, J", "actuator_energy": "motors, J"}
 
 
 def rows(scenario: str, variants: list[str]) -> list[list[str]]:
     """Return the rows of the table, the head first."""
     file = find_scenario(scenario)
-    found = [["", *(f"{label}, {plant}" for label in FIGURES.values() for plant in PLANTS)]]
+    figures = SLIP if "slip" in file.load().verdict else FIGURES
+    found = [["", *(f"{label}, {plant}" for label in figures.values() for plant in PLANTS)]]
     for variant in variants or list(file.variants):
         verdicts = []
         for changes in PLANTS.values():
             result = execute(file.load(variant, file.overrides(changes)))
             verdicts.append({} if result.error is not None else as_mapping(result.metrics))
-        found.append([variant, *(number(v.get(key)) for key in FIGURES for v in verdicts)])
+        found.append([variant, *(number(v.get(key)) for key in figures for v in verdicts)])
     return found
 
 

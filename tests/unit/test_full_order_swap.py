@@ -57,11 +57,39 @@ def test_the_same_controller_is_designed_from_a_press_test() -> None:
 def test_what_stands_in_the_connections_of_wheels_stands_in_those_of_the_body() -> None:
     made = swapped("ramp-impact-late", "lag-5-ms")
     assert "traction_demand_to_body" in made.components
-    wires = made.wiring({n: p.variables for n, p in made.components.items() if not isinstance(p, str)})
+    wires = wired(made)
     assert wires["body.traction_demand"] == "traction_demand_to_body.y"
     assert wires["traction_demand_to_body.u"] == "controller.traction_demand"
     assert wires["controller.normal_force"] == "body.normal_force_end"
     assert wires["controller.gap"] == "body.gap"
+
+
+def wired(made: Assembly) -> dict[str, str]:
+    """Return the source of each input."""
+    found = made.wiring({n: p.variables for n, p in made.components.items() if not isinstance(p, str)})
+    return {target: source if isinstance(source, str) else source.source for target, source in found.items()}
+
+
+def test_with_a_drive_the_rims_are_given_torques_and_slip_is_measured() -> None:
+    made = swapped("slip-start", "slip-control", "drive.J_w=0.02", "drive.v_min=0.05")
+    assert list(made.components) == ["controller", "body"]
+    assert (body(made).J_w, body(made).v_min) == (0.02, 0.05)
+    wires = wired(made)
+    assert wires["body.torque"] == "controller.torque"
+    assert "body.traction_demand" not in wires
+    for name in ("slip", "slip_speed", "traction"):
+        assert wires[f"controller.{name}"] == f"body.{name}"
+    theirs = assemble(find_scenario("slip-start").load("slip-control")).components["controller"]
+    ours = made.components["controller"]
+    for name in ("curve", "mu_peak", "slip_peak", "C_x"):  # the friction curve that the scenario's drive has
+        np.testing.assert_array_equal(ours.values[name], theirs.values[name])  # type: ignore[union-attr]
+
+
+def test_without_a_drive_it_gives_the_traction_that_is_asked_for() -> None:
+    wires = wired(swapped("steered-rough", "direct"))
+    assert wires["body.traction_demand"] == "controller.traction_demand"
+    assert "body.torque" not in wires
+    assert wires["body.steer"] == "controller.steer"
 
 
 def test_it_starts_settled_or_without_load() -> None:

@@ -15,9 +15,9 @@ def row(signals: dict[str, np.ndarray], key: str) -> float | None:
 def test_the_work_of_the_motors_counts_driving_and_braking() -> None:
     torque = np.array([[9.0] * 4, [2.0, 0.0, 0.0, -1.0], [1.0, 0.0, 0.0, 0.0]])
     spin = np.array([[9.0] * 4, [10.0, 5.0, 5.0, 10.0], [20.0, 5.0, 5.0, 10.0]])
-    found = slip.motor_energy(TIME, {"controller.torque": torque, "drive.spin": spin}.get)
+    found = slip.motor_energy(TIME, {"drive.torque": torque, "drive.spin": spin}.get)
     assert found == pytest.approx(0.1 * (20 + 10) + 0.1 * 20)
-    assert slip.motor_energy(TIME, {"controller.torque": torque}.get) is None
+    assert slip.motor_energy(TIME, {"drive.torque": torque}.get) is None
 
 
 def test_slip_counts_in_both_directions() -> None:
