@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import pyarrow.parquet
 from cosim.errors import ScenarioError
 
 from . import mcap_file
+from .parts import like, read_as
 from .read import Signal, properties, signals, texts
 
 _UNITS = "metric_units"
@@ -24,7 +24,7 @@ def describe(path: Path, patterns: list[str] | None = None) -> dict[str, Any]:
 
     Keys: ``status`` (complete, failed, interrupted; unfinished if it was killed or is still written; comparison);
     ``properties``; ``units`` of the verdict; ``events`` as (s, text); ``ports``: all names; ``signals``: by port unit,
-    width, rows, min, max, mean and rms over all values.
+    width, rows, min, max, mean and rms over all values; ``read_as``: the patterns that are for ports of the body here.
     """
     tables = properties(path)
     units = {
@@ -33,7 +33,7 @@ def describe(path: Path, patterns: list[str] | None = None) -> dict[str, Any]:
         if title.endswith(_UNITS)
     }
     found = signals(path)
-    chosen = {p: s for p, s in found.items() if not patterns or any(fnmatch.fnmatch(p, q) for q in patterns)}
+    patterns = patterns or []
     return {
         "path": str(path),
         "status": _status(tables),
@@ -41,7 +41,8 @@ def describe(path: Path, patterns: list[str] | None = None) -> dict[str, Any]:
         "units": units,
         "events": [(ns * 1e-9, text) for ns, text in texts(path, "/events/**")],
         "ports": list(found),
-        "signals": {port: _statistics(signal) for port, signal in chosen.items()},
+        "signals": {port: _statistics(found[port]) for port in like(found, patterns)},
+        "read_as": {asked: known for asked, known in read_as(patterns, found).items() if asked != known},
     }
 
 

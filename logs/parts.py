@@ -7,11 +7,14 @@ and chassis are part of its body has these ports itself, as ``body.normal_force`
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
+from fnmatch import fnmatch
 
 import numpy as np
 
 Read = Callable[[str], "np.ndarray | None"]
 
+_SHARE = 1 - 1e-6  # of the friction limit, from which a wheel counts as being at it
+_SLIDING = 0.9  # of the load of a wheel on what slides, from which it counts as sliding: the ends of a patch always do
 _PARTS, _WHOLE = ("wheels", "chassis", "drive"), "body"
 _OTHERWISE = {
     "chassis.acceleration": f"{_WHOLE}.station_acceleration",  # the body has an acceleration of its own
@@ -36,6 +39,18 @@ def by_parts(read: Read) -> Read:
     return found
 
 
+def read_as(patterns: Iterable[str], ports: Iterable[str]) -> dict[str, str]:
+    """Return what each of the *patterns* is for these ports: one for a part that there is not is for the body's."""
+    slots = {port.partition(".")[0] for port in ports}
+    return {p: p if p.partition(".")[0] in slots or _WHOLE not in slots else at_body(p) for p in patterns}
+
+
+def like(ports: Collection[str], patterns: Iterable[str]) -> list[str]:
+    """Return those of the *ports* that are like any of *patterns*, see `read_as`; all, if there are none."""
+    wanted = read_as(patterns, ports).values()
+    return [port for port in ports if not wanted or any(fnmatch(port, p) for p in wanted)]
+
+
 class Ports(Collection[str]):
     """The ports of a run, asked for by part: ``in`` tells whether there is one, `at` its name in the log."""
 
@@ -54,3 +69,15 @@ class Ports(Collection[str]):
 
     def __len__(self) -> int:
         return len(self.names)
+
+
+def sliding(read: Read) -> np.ndarray | None:
+    """Return (n, 4): which wheels have all the traction there is; None where the run does not tell.
+
+    They are at their friction limit, or slide on friction that is less than that, as on rubber rings.
+    """
+    traction, limit, share = (read(f"wheels.{port}") for port in ("traction", "friction_limit", "sliding"))
+    if traction is None or limit is None:
+        return None
+    full: np.ndarray = (limit > 0) & (np.abs(traction) >= _SHARE * limit)
+    return full if share is None else full | (share >= _SLIDING)

@@ -6,7 +6,6 @@ A Float64 port goes into the log bit by bit.  One of another type is logged as i
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from cosim.observer import Block, Point
 from cosim.system import System
 from cosim.variable import FLOAT, Variable
 
+from .parts import like
 from .style import WHEEL_COLOURS, WHEELS, Colour, colour
 
 EXACT = "value_"  # begins the component that holds the values of a port that is not Float64
@@ -36,14 +36,13 @@ def chosen(
     instances: Mapping[str, Instance], patterns: Iterable[str], causality: str = "output"
 ) -> dict[str, Variable]:
     """Return the ports by name (``wheels.normal_force``) that match any of *patterns*; all, if there are none."""
-    patterns = tuple(patterns)
-    return {
-        port: v
+    found = {
+        f"{name}.{v.name}": v
         for name, instance in instances.items()
         for v in instance.variables.values()
         if v.causality == causality and v.size
-        if (port := f"{name}.{v.name}") and (not patterns or any(fnmatch.fnmatch(port, p) for p in patterns))
     }
+    return {port: found[port] for port in like(found, patterns)}
 
 
 def entity(port: str, causality: str = "output") -> str:

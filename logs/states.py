@@ -10,11 +10,11 @@ import rerun as rr
 from cosim.system import System
 
 from .drawing import Drawing, Read
+from .parts import sliding
 from .ports import index, scalars
 from .style import WHEELS
 
 TOUCHES, FLIES, LIMIT = "on the ground", "in the air", "sliding: at the friction limit"
-SHARE = 1 - 1e-6  # of the friction limit, from which a wheel counts as being at it
 CHANGES = 2000  # per wheel and chunk, beyond which a chattering contact is thinned out
 TOTAL = "derived/total_traction"
 
@@ -38,14 +38,14 @@ class ContactStates(Drawing):
         recording.log(TOTAL, named, rr.AnyValues(signal_name=["total_traction"], signal_unit="N"), static=True)
 
     def emit(self, recording: Any, ns: np.ndarray, step: np.ndarray, read: Read) -> None:
-        contact, traction, limit = (read(f"wheels.{port}") for port in ("contact", "traction", "friction_limit"))
+        contact, traction = read("wheels.contact"), read("wheels.traction")
         if traction is not None and traction.shape[1:] == (len(WHEELS),):
             recording.send_columns(TOTAL, index(ns, step), scalars(traction.sum(axis=1)[:, None]))
         if contact is None:
             return
         state = np.where(contact > 0.5, 1, 0)
-        if self.limited and traction is not None and limit is not None:
-            state[(state == 1) & (limit > 0) & (np.abs(traction) >= SHARE * limit)] = 2
+        if self.limited and (slides := sliding(read)) is not None:
+            state[(state == 1) & slides] = 2
         names = np.array([FLIES, TOUCHES, LIMIT])
         for k, wheel in enumerate(WHEELS):
             changed = np.flatnonzero(np.diff(state[:, k], prepend=-1))

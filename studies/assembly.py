@@ -135,7 +135,9 @@ def _rover(scenario: Scenario, objects: Mapping[str, Component]) -> Assembly:
     believed = full_order.believed(scenario) if whole else {}
     if whole:
         scenario = full_order.merged(scenario)
-    slots = {"body": Slot(type="RigidBody"), **scenario.components, **believed}
+    slots = {"body": Slot(), **scenario.components, **believed}
+    if slots["body"].type is None and slots["body"].fmu is None:  # the scenario may give only its parameters
+        slots["body"] = slots["body"].model_copy(update={"type": "RigidBody"})
     if not whole and "wheels" not in {**slots, **objects}:
         raise ScenarioError(f"{scenario.name}: components.wheels is missing; a rover needs wheels")
     parts: dict[str, Component | str] = dict(objects)

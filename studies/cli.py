@@ -242,7 +242,7 @@ def main() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _stop)
     try:
-        app()
+        app(prog_name="wmr-cosim")  # whoever called it, python -m included
     except CosimError as error:
         complain(str(error))
         sys.exit(1)

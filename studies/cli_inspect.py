@@ -68,6 +68,9 @@ def inspect(
         return
     _show_facts(facts, only_verdict=metrics)
     if not metrics:
+        for asked, known in facts["read_as"].items():
+            part = asked.partition(".")[0]
+            out().print(f"{plain(asked)} is read as {plain(known)}: this robot's {part} is part of its body")
         _show_signals(facts["signals"])
     for file in files:
         out().print(f"wrote {plain(str(file))}", soft_wrap=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,11 +28,13 @@ def show_diff(log: Path, other: Path, patterns: list[str], json: bool) -> None:
     Raises ScenarioError if no signal is like the patterns.
     """
     from logs.difference import differences  # Rerun takes a while to import
+    from logs.parts import like
 
     with progress(json) as bar:
         bar(f"comparing {log} and {other}")
         found = differences(log, other)
-    chosen = [d for d in found if not patterns or any(fnmatch.fnmatch(d.port, p) for p in patterns)]
+    kept = set(like([d.port for d in found], patterns))
+    chosen = [d for d in found if d.port in kept]
     if not chosen:
         raise ScenarioError(f"neither {log} nor {other} has a signal like {', '.join(patterns) or 'any'}")
     off = [d for d in chosen if not d.identical]

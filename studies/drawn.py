@@ -24,6 +24,7 @@ from plants.ring_press import resting
 from plants.tables import G, Robot
 
 from .assembly import Assembly
+from .metrics.metric import GRIP
 from .runner import algorithm_of, obstacle_start
 
 FAR = 3.0  # m of way, beyond which a camera that stands still sees the robot leave
@@ -32,7 +33,6 @@ FORCE_ARROW = 3.0  # radii of a wheel: how long the arrow of a quarter of the we
 NODE_ARROW = 2.0  # how much longer that of a force on one node of a ring is
 FLAT = 0.06  # of a radius: how deep the weight presses a tyre in the picture, at least
 _PRESSED = 0.02  # of a radius: where the search for the depth of a ring under the weight begins
-GRIP = 100.0  # coefficient of friction, from which it counts as unlimited
 ASIDE = 2.5  # m of ground beside the tracks of a robot that steers
 ROWS, COLUMNS = 5, 4  # of stations on the default chassis
 

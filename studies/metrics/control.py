@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .metric import Metric, Signals, held
+from logs.parts import sliding
+
+from .metric import Metric, Signals, held, unlimited
 from .slip import motor_energy
 
 _LOADED = 1.0  # N, below which a wheel's ratio of forces says nothing
@@ -26,14 +28,20 @@ def figures(time: np.ndarray, read: Signals, obstacle: float | None = None) -> l
 
 
 def _friction(time: np.ndarray, read: Signals) -> tuple[float | None, float | None, float | None]:
-    """Return the largest share of the friction, the time at its limit in percent, and the largest F_a / F_n."""
+    """Return the largest share of the friction, the time at its limit in percent, and the largest F_a / F_n.
+
+    The first two are None where friction has no limit.
+    """
     applied, limit, normal = read("wheels.traction"), read("wheels.friction_limit"), read("wheels.normal_force")
-    if applied is None or limit is None or normal is None:
+    slides = sliding(read)
+    if applied is None or limit is None or normal is None or slides is None:
         return None, None, None
+    needed = float(np.max(np.abs(applied) / np.where(normal > _LOADED, normal, np.inf)))
+    if unlimited(limit, normal):
+        return None, None, needed
     loaded = limit > 1e-9
     ratio = np.where(loaded, np.abs(applied) / np.where(loaded, limit, 1.0), 0.0)
-    saturated = 100 * held(time, np.any(ratio > 1 - 1e-6, axis=1)) / (time[-1] - time[0])
-    needed = float(np.max(np.abs(applied) / np.where(normal > _LOADED, normal, np.inf)))
+    saturated = 100 * held(time, np.any(loaded & slides, axis=1)) / (time[-1] - time[0])
     return float(np.max(ratio)), saturated, needed
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .metric import Metric, Signals
+from .metric import Metric, Signals, unlimited
 
 _LOADED = 1.0  # N, below which a wheel's share of its friction says nothing
 
@@ -25,8 +25,9 @@ def figures(time: np.ndarray, read: Signals, obstacle: float | None = None) -> l
     peak = None if slip is None else float(np.max(np.abs(slip)))
     used = side = None
     if along is not None and across is not None and limit is not None and np.any(across):
-        loaded = limit > _LOADED
-        used = float(np.max(np.hypot(along, across)[loaded] / limit[loaded], initial=0.0))
+        loaded, normal = limit > _LOADED, read("wheels.normal_force")
+        if normal is None or not unlimited(limit, normal):
+            used = float(np.max(np.hypot(along, across)[loaded] / limit[loaded], initial=0.0))
         side = float(np.max(np.abs(across)))
     return [
         Metric("slip_peak", "largest slip ratio of a wheel", "1", "lower", peak),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cosim.errors import ScenarioError
-from logs.parts import by_parts
+from logs.parts import by_parts, like, read_as
 from plants.full_order import FullOrderRover
 from plants.ring_press import pressed
 from studies.assembly import Assembly, assemble
@@ -122,3 +122,13 @@ def test_readers_of_wheels_read_the_body_where_there_are_none() -> None:
     assert by_parts({**ports, "body.station_acceleration": ports["body.pitch"]}.get)("chassis.acceleration") is not None
     assert read("body.pitch") is ports["body.pitch"]
     assert read("wheels.nothing") is None
+
+
+def test_signals_of_wheels_are_those_of_the_body_where_there_are_none() -> None:
+    whole, parts = ["body.gap", "body.gap_rate", "controller.gap"], ["body.gap", "wheels.gap"]
+    assert like(whole, ["wheels.gap"]) == ["body.gap"]
+    assert like(whole, ["wheels.*", "controller.*"]) == whole
+    assert like(parts, ["wheels.*"]) == ["wheels.gap"]
+    assert like(parts, []) == parts
+    assert read_as(["wheels.*", "chassis.acceleration"], whole)["chassis.acceleration"] == "body.station_acceleration"
+    assert like(["wheels.gap"], ["chassis.*"]) == []

@@ -15,6 +15,7 @@ from logs.blueprint import answered, question
 from logs.chassis_map import DOWN, LEVEL, UP, ChassisMap, coloured, scales, spectrum
 from logs.diagram import LATE, NOW, graph
 from logs.drawing import Frames, nice
+from logs.parts import by_parts
 from logs.questions import QUESTIONS, Camera, Look
 from logs.read import properties, signals
 from logs.states import CHANGES, FLIES, LIMIT, TOTAL, TOUCHES, ContactStates
@@ -96,10 +97,25 @@ def test_states_are_sent_at_changes_only_whatever_the_chunks_are() -> None:
         for first in range(0, 100, chunk):
             part = slice(first, first + chunk)
             number = np.arange(100)[part]
-            states.emit(sent, number, number, lambda port, part=part: ports[port][part])  # type: ignore[misc]
+            states.emit(sent, number, number, {port: values[part] for port, values in ports.items()}.get)
         assert sent.states["contact/fl"] == [(0, TOUCHES), (20, FLIES), (40, TOUCHES)]
         assert sent.states["contact/fr"] == [(0, TOUCHES), (60, LIMIT), (70, TOUCHES)]
         assert sent.states["contact/rl"] == [(0, TOUCHES)]
+
+
+def test_a_wheel_that_slides_on_less_than_static_friction_is_shown_as_sliding() -> None:
+    """Rubber rings hold 0.3 of their load while they slide, 0.8 at rest: their force never is at the limit."""
+    number, share = np.arange(30), np.zeros((30, 4))
+    share[10:20, 2], share[10:20, 3] = 1.0, 0.5  # the ends of a patch that rolls under traction slide, too
+    ports = {
+        "body.contact": np.ones((30, 4)), "body.traction": np.full((30, 4), 30.0),
+        "body.friction_limit": np.full((30, 4), 80.0), "body.sliding": share,
+    }  # fmt: skip
+    for limited, shown in ((True, [(0, TOUCHES), (10, LIMIT), (20, TOUCHES)]), (False, [(0, TOUCHES)])):
+        sent = Sent()
+        ContactStates(limited=limited).emit(sent, number, number, by_parts(ports.get))
+        assert sent.states["contact/rl"] == shown
+        assert sent.states["contact/rr"] == [(0, TOUCHES)]
 
 
 def test_a_chattering_contact_does_not_fill_the_log() -> None:

@@ -1,9 +1,9 @@
-"""The slip rows of the verdict against sums by hand."""
+"""The rows of slip and friction of the verdict against sums by hand."""
 
 import numpy as np
 import pytest
 
-from studies.metrics import slip
+from studies.metrics import control, slip
 
 TIME = np.array([0.0, 0.1, 0.2])
 
@@ -36,3 +36,20 @@ def test_the_share_of_the_ellipse_leaves_out_wheels_without_load() -> None:
     assert row(signals, "ellipse_used") == pytest.approx(0.75)
     assert row(signals, "lateral_peak") == pytest.approx(60.0)
     assert row({**signals, "wheels.lateral": np.zeros((1, 4))}, "ellipse_used") is None
+
+
+@pytest.mark.parametrize(("mu", "used", "saturated"), [(0.5, 0.8, 50.0), (1e6, None, None)])
+def test_without_a_limit_no_share_of_it_is_used(mu: float, used: float | None, saturated: float | None) -> None:
+    """The load is 100 N; one of two steps ends with a wheel that slides on less than the limit."""
+    signals = {
+        "wheels.traction": np.array([[0.0] * 4, [40.0, 0.0, 0.0, 0.0], [20.0, 0.0, 0.0, 0.0]]),
+        "wheels.lateral": np.full((3, 4), 30.0),
+        "wheels.normal_force": np.full((3, 4), 100.0),
+        "wheels.friction_limit": np.full((3, 4), 100.0 * mu),
+        "wheels.sliding": np.array([[0.0] * 4, [0.0] * 4, [1.0, 0.0, 0.0, 0.0]]),
+    }
+    found = {m.key: m.value for m in control.figures(TIME, signals.get)}
+    assert found["friction_used"] == (used if used is None else pytest.approx(used))
+    assert found["saturated"] == (saturated if saturated is None else pytest.approx(saturated))
+    assert found["friction_needed"] == pytest.approx(0.4)
+    assert row(signals, "ellipse_used") == (used if used is None else pytest.approx(1.0))

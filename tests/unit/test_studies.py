@@ -11,6 +11,8 @@ import pytest
 import studies
 from cosim import Component, input, output, parameter
 from cosim.errors import ScenarioError
+from plants.rigid_body import RigidBody
+from studies.assembly import assemble
 from studies.catalog import find_scenario
 from studies.runner import execute
 
@@ -26,6 +28,15 @@ class Push(Component):
 
     def outputs(s):  # type: ignore[no-untyped-def]
         return {"traction_demand": s.share * ca.fmax(0, s.normal_force)}
+
+
+def test_a_rover_has_a_body_also_where_only_its_parameters_are_given() -> None:
+    file = find_scenario("ramp-impact")
+    made = assemble(file.load("pd", file.overrides(["body.traction_arm=centre"])))
+    body = made.components["body"]
+    assert isinstance(body, RigidBody)
+    assert body.structure["traction_arm"] == "centre"
+    assert body.m == 170.0  # of the robot
 
 
 def test_changes_are_those_of_the_command_line() -> None:
