@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from .clock import seconds
 from .errors import CosimError, CouplingError, StepError
-from .richardson import Estimate
+from .estimate import Estimate
 from .system import System
 
 Feeder = Callable[["Attempt", str], None]

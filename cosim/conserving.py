@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -12,13 +11,11 @@ from .algorithms import Algorithm
 from .bonds import Bond, Signal, Wired, wired
 from .clock import seconds
 from .errors import CouplingError
-from .richardson import Estimate
+from .estimate import Estimate
 
 if TYPE_CHECKING:
     from .attempt import Attempt
     from .system import System
-
-_wired: WeakKeyDictionary[System, dict[tuple[Bond, ...], tuple[Wired, ...]]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True)
@@ -30,8 +27,13 @@ class _Bonded:
 
     def sequence(self, system: System) -> tuple[str, ...]:
         """Return the sequence of *inner*; raises CouplingError for bonds that are none."""
-        _wired.setdefault(system, {})[self.bonds] = wired(system, self.bonds, self.inner)
+        system.memory[_Bonded, *self.bonds] = wired(system, self.bonds, self.inner)
         return self.inner.sequence(system)
+
+    def _wired(self, system: System) -> tuple[Wired, ...]:
+        """Return the bonds as they lie in the connections of a system."""
+        found: tuple[Wired, ...] = system.memory[_Bonded, *self.bonds]
+        return found
 
     def delay(self, system: System, source: str, target: str) -> int:
         """Return the delay of *inner*."""
@@ -52,7 +54,7 @@ class EnergyError(_Bonded):
         before = system.row.copy()
         self.inner.advance(attempt)
         if not attempt.stopped:
-            found = _wired[system][self.bonds]
+            found = self._wired(system)
             error = np.array([w.residual(before, system.row, length) for w in found])
             energy = np.array([w.bond.energy for w in found])
             attempt.estimate = Estimate(tuple(w.bond.label for w in found), error, energy, energy)
@@ -84,7 +86,7 @@ class Conserving(_Bonded):
             system.memory[Conserving] = missed, length
 
     def _signals(self, system: System) -> list[Signal]:
-        return [signal for w in _wired[system][self.bonds] for signal in (w.effort, w.flow)]
+        return [signal for w in self._wired(system) for signal in (w.effort, w.flow)]
 
     def _debts(self, attempt: Attempt) -> tuple[list[np.ndarray], float]:
         """Return what is owed for each signal (its unit times s), and over how long a step (s) it arose."""

@@ -10,9 +10,8 @@ one that goes on showing its old outputs is left as it is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -39,16 +38,13 @@ class Consistent:
 
     algorithm: Algorithm
     trusted: tuple[str, ...] = ()
-    _made: WeakKeyDictionary[System, _Points] = field(
-        default_factory=WeakKeyDictionary, init=False, repr=False, compare=False
-    )
 
     def sequence(self, system: System) -> tuple[str, ...]:
         """Return the sequence of the algorithm; raises CouplingError for a loop that must not be solved."""
         for name in self.trusted:
             if name not in system.instances:
                 raise CouplingError(f"Consistent trusts no component {name!r}; {nearest(name, system.names)}")
-        self._made[system] = _Points(system, self.trusted)
+        system.memory[Consistent, *self.trusted] = _Points(system, self.trusted)
         return self.algorithm.sequence(system)
 
     def advance(self, attempt: Attempt) -> None:
@@ -56,7 +52,7 @@ class Consistent:
         self.algorithm.advance(attempt)
         if not attempt.stopped and not attempt.terminated:
             there = frozenset(name for name, time in attempt.system.time.items() if time == attempt.end)
-            self._made[attempt.system].update(there, f"at t = {seconds(attempt.end):.9g} s")
+            attempt.system.memory[Consistent, *self.trusted].update(there, f"at t = {seconds(attempt.end):.9g} s")
 
     def delay(self, system: System, source: str, target: str) -> int:
         """Return the delay of the algorithm: over a step inputs are held as ever."""

@@ -6,35 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatch
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from .algorithms import Algorithm, GaussSeidel
 from .errors import CouplingError, nearest
+from .estimate import Estimate
 from .wiring import End
 
 if TYPE_CHECKING:
     from .attempt import Attempt
     from .system import System
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """Estimated errors of outputs at the end of a step, with what they are measured by; all arrays have one length."""
-
-    labels: tuple[str, ...]
-    error: np.ndarray  # exact minus what was found, in the units of the outputs
-    size: np.ndarray  # the larger magnitude at start and end
-    nominal: np.ndarray
-
-    def worst(self, relative: float, absolute: float) -> tuple[float, str]:
-        """Return the largest error against ``absolute * nominal + relative * size``, and whose it is."""
-        if not self.labels:
-            return 0.0, ""
-        share = np.abs(self.error) / (absolute * self.nominal + relative * self.size)
-        i = int(np.argmax(np.where(np.isfinite(share), share, np.inf)))
-        return float(share[i]), self.labels[i]
 
 
 @dataclass(frozen=True)
@@ -53,9 +35,6 @@ class Richardson:
     order: int = 1
     extrapolate: bool = False
     outputs: tuple[str, ...] = ()
-    _judged: WeakKeyDictionary[System, tuple[np.ndarray, tuple[str, ...], np.ndarray]] = field(
-        default_factory=WeakKeyDictionary, init=False, repr=False, compare=False
-    )
 
     def sequence(self, system: System) -> tuple[str, ...]:
         """Return the sequence of *inner*; raises CouplingError for who cannot take a step twice."""
@@ -72,7 +51,7 @@ class Richardson:
                     f"{name} steps every {system.every[name]} macro steps, which Richardson cannot halve; "
                     f"let it step every one"
                 )
-        self._judged[system] = judged(system, self.outputs)
+        system.memory[Richardson, *self.outputs] = judged(system, self.outputs)
         return self.inner.sequence(system)
 
     def delay(self, system: System, source: str, target: str) -> int:
@@ -107,7 +86,7 @@ class Richardson:
             system.forget(saved)
 
     def _compare(self, attempt: Attempt, before: np.ndarray, whole: np.ndarray, halves: np.ndarray) -> None:
-        at, labels, nominal = self._judged[attempt.system]
+        at, labels, nominal = attempt.system.memory[Richardson, *self.outputs]
         error = (halves - whole)[at] / (2**self.order - 1)
         size = np.maximum(np.abs(before[at]), np.abs(halves[at]))
         attempt.estimate = Estimate(labels, error, size, nominal)

@@ -75,7 +75,7 @@ class System:
         self.connections = wire(self.instances, connections)
         self.unconnected = self._unconnected()
         self.time: dict[str, int] = {}  # ns, per component; empty until initialised
-        self.memory: dict[Any, Any] = {}
+        self.memory: dict[Any, Any] = {}  # of algorithms, by theirs: what they found out here, and what lies behind
         self.row, self.places = self._bind()
         self._values = self.row[sum(len(i.u) for i in self.instances.values()) :]  # the outputs of all
         self._others: dict[tuple[str, str], Any] = {}
