@@ -10,85 +10,21 @@ lost met by everybody or not: worst error of the vertical speed against one ODE,
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import floor, sqrt
 from typing import Any
 
-import casadi as ca
 import numpy as np
+from bouncing import KICK, PERIOD, Announcing, Ball, Switch, touches
 from coupling_error import IMPACT
 from rich.console import Console
 from rich.table import Table
 
 import fmus
-from cosim import Component, GaussSeidel, Record, Summary, System, event, input, output, parameter, run, state
+from cosim import GaussSeidel, Record, Summary, System, run
 from plants.wheel_deformation import WheelDeformation
 from studies import coupling
 
-G, E, KICK, PERIOD, STOP = 9.81, 0.8, 4.0, 0.1, 3.5
-
-
-class Ball(Component):
-    """A ball over a floor, pushed by an acceleration from outside; announces nothing."""
-
-    z0 = parameter(1.0, "m", "height at first")
-    kick = input("m/s2", "acceleration from outside, upwards")
-    z = state(0.0, "m", "height above that at first")
-    v = state(0.0, "m/s", "velocity, upwards")
-    n = state(0.0, "1", "touches so far", whole=True)
-    touch = event("the ball touches the floor")
-    speed = output("m/s", "velocity, upwards")
-    touches = output("1", "touches so far")
-
-    def derivatives(s):  # type: ignore[no-untyped-def]
-        return dict(z=s.v, v=s.kick - G, n=0)
-
-    def crossings(s):  # type: ignore[no-untyped-def]
-        return dict(touch=s.z + s.z0)
-
-    def jump(s):  # type: ignore[no-untyped-def]
-        down = s.crossed.touch < 0
-        return dict(z=ca.if_else(down, -s.z0, s.z), v=ca.if_else(down, -E * s.v, s.v), n=s.n + ca.if_else(down, 1, 0))
-
-    def outputs(s):  # type: ignore[no-untyped-def]
-        return dict(speed=s.v, touches=s.n)
-
-
-class Announcing(Ball):
-    """The same, and it announces its touches."""
-
-    touch = event("the ball touches the floor", announce=True)
-
-
-class Switch(Component):
-    """Sampled: a kick in every second period, none in the first."""
-
-    period = parameter(PERIOD, "s", "sample period")
-    k = state(-1.0, "1", "ticks so far, less one")
-    kick = output("m/s2", "acceleration")
-
-    def sync(s):  # type: ignore[no-untyped-def]
-        return dict(k=s.k + 1)
-
-    def outputs(s):  # type: ignore[no-untyped-def]
-        return dict(kick=ca.if_else(ca.fmod(s.k, 2) == 1, KICK, 0))
-
-
-def touches(h: float, kick: float) -> Iterator[float]:
-    """Yield the closed form: each touch is the root of a piece of a parabola."""
-    t, v = 0.0, 0.0
-    while t < STOP:
-        n = floor(t / PERIOD * (1 + 1e-15) + 1e-12)
-        end, a = (n + 1) * PERIOD, -G + (kick if n % 2 else 0.0)
-        hit = (v + sqrt(v * v - 2 * a * h)) / -a
-        if t + hit <= end:
-            t, h, v = t + hit, 0.0, -E * (v + a * hit)
-            if t < STOP:
-                yield t
-        else:
-            dt = end - t
-            t, h, v = end, h + dt * (v + dt / 2 * a), v + dt * a
+STOP = 3.5  # s
 
 
 WAYS: dict[str, tuple[type[Ball], int, str]] = {
@@ -112,7 +48,10 @@ def bounce(way: str, step: float) -> dict[str, float]:
     with System(parts, {"second.kick": "controller.kick"}, events=events) as system:
         summary = run(system, GaussSeidel(), step=step, stop=STOP, observers=[record])
     late = []
-    for name, closed in (("first", list(touches(1.0, 0.0))), ("second", list(touches(0.7, KICK)))):
+    for name, closed in (
+        ("first", list(touches(1.0, STOP))),
+        ("second", list(touches(0.7, STOP, kick=KICK, period=PERIOD))),
+    ):
         met = np.array([t for t, who in record.events if who == name])
         assert len(met) == len(closed), (way, name, len(met), len(closed))
         late += list(met - np.array(closed) * 1e9)

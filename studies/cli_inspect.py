@@ -70,7 +70,7 @@ def inspect(
     if not metrics:
         for asked, known in facts["read_as"].items():
             part = asked.partition(".")[0]
-            out().print(f"{plain(asked)} is read as {plain(known)}: this robot's {part} is part of its body")
+            out().print(f"{plain(asked)} is read as {plain(known)}: the body of this robot has the ports of its {part}")
         _show_signals(facts["signals"])
     for file in files:
         out().print(f"wrote {plain(str(file))}", soft_wrap=True)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bouncing import touches
 from hybrid import Make
 from superdense import Superdense
 from toys import Gain
 
+from benchmarks.bouncing import touches
 from cosim import (
     Component,
     Consistent,

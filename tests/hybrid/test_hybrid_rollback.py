@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import casadi as ca
 import numpy as np
 import pytest
-from bouncing import E, G, touches
 from toys import Mass, Scripted, Spring, port
 
 import fmus
+from benchmarks.bouncing import KICK, PERIOD, Announcing, Ball, Switch, touches
 from cosim import (
     Capabilities,
     Component,
@@ -21,74 +20,17 @@ from cosim import (
     Record,
     System,
     WiringError,
-    event,
-    input,
-    output,
-    parameter,
     run,
-    state,
 )
 
 MS = 1_000_000  # ns
-PERIOD, STRENGTH = 0.1, 4.0
-
-
-class Bouncer(Component):
-    """A ball over a floor, pushed by an acceleration from outside; announces nothing."""
-
-    z0 = parameter(1.0, "m", "height at first")
-    kick = input("m/s2", "acceleration from outside, upwards")
-    z = state(0.0, "m", "height above that at first")
-    v = state(0.0, "m/s", "velocity, upwards")
-    n = state(0.0, "1", "touches so far", whole=True)
-    touch = event("the ball touches the floor")
-    height = output("m", "height")
-    speed = output("m/s", "velocity, upwards")
-    touches = output("1", "touches so far")
-
-    def derivatives(s):
-        return dict(z=s.v, v=s.kick - G, n=0)
-
-    def crossings(s):
-        return dict(touch=s.z + s.z0)
-
-    def jump(s):
-        down = s.crossed.touch < 0
-        return dict(z=ca.if_else(down, -s.z0, s.z), v=ca.if_else(down, -E * s.v, s.v), n=s.n + ca.if_else(down, 1, 0))
-
-    def outputs(s):
-        return dict(height=s.z + s.z0, speed=s.v, touches=s.n)
-
-
-class Announcing(Bouncer):
-    """The same, and it announces its touches."""
-
-    touch = event("the ball touches the floor", announce=True)
-
-
-class Switch(Component):
-    """Sampled: a kick in every second period, none in the first."""
-
-    period = parameter(PERIOD, "s", "sample period")
-    strength = parameter(STRENGTH, "m/s2", "size of the kick")
-    seen = input("m", "what is watched")
-    k = state(-1.0, "1", "ticks so far, less one")
-    saw = state(0.0, "m", "what was seen at the last tick")
-    kick = output("m/s2", "acceleration")
-    last = output("m", "what was seen at the last tick")
-
-    def sync(s):
-        return dict(k=s.k + 1, saw=s.seen)
-
-    def outputs(s):
-        return dict(kick=ca.if_else(ca.fmod(s.k, 2) == 1, s.strength, 0), last=s.saw)
 
 
 def instance(component: Component, name: str, kind: str) -> Instance:
     return component.instance(name) if kind == "python" else fmus.instantiate(component, name, fmi=int(kind[-1]))
 
 
-def bouncing(kind: str, ball: type[Component], events: dict[str, str]) -> System:
+def bouncing(kind: str, ball: type[Ball], events: dict[str, str]) -> System:
     parts = {
         "controller": instance(Switch(), "controller", kind),
         "first": instance(ball(z0=1.0), "first", kind),
@@ -104,8 +46,8 @@ COUNTS = {"first.touches": "change", "second.touches": "change"}
 CASES = {
     f"{way}-{kind}": (kind, ball, events)
     for way, (ball, events) in {
-        "speeds": (Bouncer, SPEEDS),
-        "counts": (Bouncer, COUNTS),
+        "speeds": (Ball, SPEEDS),
+        "counts": (Ball, COUNTS),
         "announced": (Announcing, {}),
     }.items()
     for kind in ("python", "fmi2", "fmi3")
@@ -114,7 +56,7 @@ CASES = {
 
 
 @pytest.mark.parametrize(("kind", "ball", "events"), list(CASES.values()), ids=list(CASES))
-def test_two_bouncing_masses_and_a_sampled_controller(kind: str, ball: type[Component], events: dict[str, str]) -> None:
+def test_two_bouncing_masses_and_a_sampled_controller(kind: str, ball: type[Ball], events: dict[str, str]) -> None:
     """Each touch is met at the first nanosecond at or after its closed form.
 
     The integrators solve a parabola without an error of their own, but locate the floor on it to 1e-13 s only, some
@@ -125,7 +67,7 @@ def test_two_bouncing_masses_and_a_sampled_controller(kind: str, ball: type[Comp
     run(bouncing(kind, ball, events), algorithm, step=0.01, stop=stop, observers=[record])
     times = {
         "first": list(touches(1.0, stop)),
-        "second": list(touches(0.7, stop, kick=STRENGTH, period=PERIOD)),
+        "second": list(touches(0.7, stop, kick=KICK, period=PERIOD)),
     }
     for name, closed in times.items():
         late = np.array([t for t, who in record.events if who == name]) - np.array(closed) * 1e9

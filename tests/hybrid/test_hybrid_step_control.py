@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bouncing import touches
 from hybrid import Make
 from toys import Mass, Spring
 
+from benchmarks.bouncing import touches
 from cosim import PI, Extrapolated, GaussSeidel, Iterated, Jacobi, Record, Richardson, System, run
 
 S = 1_000_000_000  # ns
