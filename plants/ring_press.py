@@ -180,13 +180,14 @@ def resting(values: Mapping[str, Any], nodes: int, points: int, load: float, gue
 
 
 def pressed(rover: Any) -> dict[str, np.ndarray]:
-    """Return ``k_w`` (N/m), ``c_w`` (N.s/m) and ``mu`` of each wheel of a `FullOrderRover`, as a press test finds them.
+    """Return ``k_w`` (N/m), ``c_w`` (N.s/m), of each wheel, and ``mu`` of a `FullOrderRover`: what a press test finds.
 
-    They are those under a quarter of its weight; ``mu`` limits nothing where traction is laid on.
+    In the shapes that `WheelDeformation` gives them, under a quarter of the robot's weight; ``mu`` limits nothing where
+    traction is laid on.
     """
     values, size = rover.values, (rover.nodes, rover.points)
     load = rover.m * rover.g / 4
     depth = depth_under(values, *size, load)
     mu = rover.mu_s if rover.laid_on < 1 else UNLIMITED
-    found = {"k_w": load / depth, "c_w": damping(values, *size, depth), "mu": mu}
-    return {name: np.full(4, value) for name, value in found.items()}
+    c_w = damping(values, *size, depth)
+    return {"k_w": np.full(4, load / depth), "c_w": np.full(4, c_w), "mu": np.asarray(mu, float)}

@@ -31,7 +31,7 @@ def wheel_drive(parameters: dict[str, Any], context: Context) -> Component:
     """Return a `WheelDrive` on the robot's wheels and, unless told otherwise, on the friction of the wheel plant."""
     given: dict[str, Any] = {"R": context.robot.R}
     if "mu" in context.wheels():
-        given["mu"] = float(np.max(context.wheels()["mu"]))
+        given["mu"] = float(context.wheels()["mu"])
     return WheelDrive(**{**given, **parameters})
 
 

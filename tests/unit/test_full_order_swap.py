@@ -10,7 +10,8 @@ from logs.parts import by_parts, like, read_as
 from plants.full_order import FullOrderRover
 from plants.ring_press import pressed
 from studies.assembly import Assembly, assemble
-from studies.catalog import find_scenario
+from studies.catalog import find_scenario, scenario_files
+from studies.full_order import is_whole
 
 LINE = 'body.type="FullOrderRover"'
 
@@ -90,6 +91,29 @@ def test_without_a_drive_it_gives_the_traction_that_is_asked_for() -> None:
     assert wires["body.traction_demand"] == "controller.traction_demand"
     assert "body.torque" not in wires
     assert wires["body.steer"] == "controller.steer"
+
+
+def controllers() -> dict[str, tuple[str, str]]:
+    """Return scenario and variant for each type of controller that the scenarios have."""
+    found: dict[str, tuple[str, str]] = {}
+    for name in scenario_files():
+        file = find_scenario(name)
+        for variant in file.variants or ("",):
+            scenario = file.load(variant)
+            if scenario.assembly == "rover" and not is_whole(scenario):
+                found.setdefault(str(scenario.components["controller"].type), (name, variant))
+    return found
+
+
+@pytest.mark.parametrize(("scenario", "variant"), list(controllers().values()), ids=list(controllers()))
+def test_no_controller_loses_a_connection(scenario: str, variant: str) -> None:
+    """What it reads comes from somewhere, and what it gives goes somewhere, as on the analytical robot."""
+    analytical, whole = wired(assemble(find_scenario(scenario).load(variant))), wired(swapped(scenario, variant))
+    for wires in (analytical, whole):
+        assert any(source.startswith("controller.") for source in wires.values())
+    assert {t for t in analytical if t.startswith("controller.")} <= set(whole)
+    given, taken = ({s for s in w.values() if s.startswith("controller.")} for w in (analytical, whole))
+    assert given <= taken
 
 
 def test_it_starts_settled_or_without_load() -> None:
