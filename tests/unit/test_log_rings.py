@@ -17,6 +17,7 @@ from cosim.clock import ticks
 from cosim.system import System
 from logs.blueprint import question_of
 from logs.compare import combine
+from logs.inspect import describe
 from logs.jerk import WINDOW, jerk
 from logs.panels import PANELS
 from logs.questions import QUESTIONS
@@ -167,6 +168,13 @@ def test_stations_feel_the_modal_equation(whole: tuple[Assembly, Path]) -> None:
     np.testing.assert_allclose(elastic, np.sum((w * q) ** 2, axis=1) / 2, rtol=1e-12)
     metrics = properties(whole[1])["metrics"]
     assert metrics["station_peak"] == pytest.approx(np.max(np.abs(given)) / 9.81, rel=1e-3)
+
+
+def test_signals_of_its_wheels_are_found_by_their_usual_name(whole: tuple[Assembly, Path]) -> None:
+    facts = describe(whole[1], ["wheels.normal_*", "chassis.acceleration"])
+    assert set(facts["signals"]) == {"body.normal_force", "body.normal_force_end", "body.station_acceleration"}
+    assert facts["read_as"]["wheels.normal_*"] == "body.normal_*"
+    assert describe(whole[1], ["body.pitch"])["read_as"] == {}
 
 
 def test_it_is_compared_by_the_same_curves(whole: tuple[Assembly, Path], tmp_path: Path) -> None:
