@@ -86,15 +86,12 @@ class NumpyRover:
         _, end = self.attitude(q, H, spin, Z)
         self._account(dt, R, Z, arms, omega, end, r, x, (v, v_ring, spin, rate), z, (f_c, d, moment), normal,
                       tangential, torque, down)  # fmt: skip
-        way = (R @ Z)[:, :2, 0] / np.linalg.norm((R @ Z)[:, :2, 0], axis=1, keepdims=True)
-        sums[:, 1:3] = np.stack(
-            [np.sum(way * sums[:, 1:3], axis=1), way[:, 0] * sums[:, 2] - way[:, 1] * sums[:, 1]], 1
-        )
         s |= {"r": r + h * v, "q": _turned(q, end * h), "v": v, "H": H, "spin": spin, "x": x + h * v_ring,
               "v_ring": v_ring, "z": z, "angle": angle + h * (spin - Z[:, :, 1] @ end), "modal_q": bend + h * rate,
               "modal_rate": rate, "pressing": sums[:, 0], "elapsed": s["elapsed"] + dt,
               "steered": s["steered"] + dt * s["steer_rate"],
               "push": np.linalg.norm(normal, axis=2), "pull": np.linalg.norm(tangential, axis=2)}  # fmt: skip
+        sums[:, 1:3] = _headed(R @ Z, sums[:, 1:3])
         for i, name in enumerate(("normal_sum", "traction_sum", "lateral_sum", "sliding_sum")):
             s[name] = s[name] + dt * sums[:, i]
         s["axle_sum"] = s["axle_sum"] + dt * hub
@@ -219,6 +216,12 @@ def _turned(q: np.ndarray, angle: np.ndarray) -> np.ndarray:
     turned = Rotation.from_quat(q[[1, 2, 3, 0]]) * Rotation.from_rotvec(angle)
     found: np.ndarray = turned.as_quat()[[3, 0, 1, 2]]
     return found if found @ q > 0 else -found
+
+
+def _headed(W: np.ndarray, friction: np.ndarray) -> np.ndarray:
+    """Return *friction* (4, 2) along the road and across as along the wheels with the axes *W*, and to their left."""
+    way = W[:, :2, 0] / np.linalg.norm(W[:, :2, 0], axis=1, keepdims=True)
+    return np.stack([np.sum(way * friction, axis=1), way[:, 0] * friction[:, 1] - way[:, 1] * friction[:, 0]], 1)
 
 
 def _axes(steered: np.ndarray) -> np.ndarray:

@@ -68,10 +68,7 @@ def inspect(
         return
     _show_facts(facts, only_verdict=metrics)
     if not metrics:
-        for asked, known in facts["read_as"].items():
-            part = asked.partition(".")[0]
-            out().print(f"{plain(asked)} is read as {plain(known)}: the body of this robot has the ports of its {part}")
-        _show_signals(facts["signals"])
+        _show_signals(facts["signals"], facts["read_as"])
     for file in files:
         out().print(f"wrote {plain(str(file))}", soft_wrap=True)
 
@@ -139,7 +136,10 @@ def _spelt(units: dict[str, str]) -> dict[str, str]:
     return {key: "" if unit == "1" else unit for key, unit in units.items()}
 
 
-def _show_signals(statistics: dict[str, dict[str, Any]]) -> None:
+def _show_signals(statistics: dict[str, dict[str, Any]], read_as: dict[str, str]) -> None:
+    for asked, known in read_as.items():
+        part = asked.partition(".")[0]
+        out().print(f"{plain(asked)} is read as {plain(known)}: the body of this robot has the ports of its {part}")
     shown = Table(box=None, padding=(0, 1), header_style="bold")
     for name in ("signal", "unit"):
         shown.add_column(name, no_wrap=True)
