@@ -80,7 +80,7 @@ def press(values: Mapping[str, Any], nodes: int, points: int, depth: float, angl
     at[1::2] = np.maximum(at[1::2], depth - R)
     for _ in range(_ITERATIONS):
         energy, first, second, load = (v.full() for v in problem(at, R - depth, angle, material, contact))
-        step = -np.linalg.solve(second, first).ravel()
+        step = _downhill(first.ravel(), second)
         size = 1.0
         while size > 1e-4 and float(problem(at + size * step, R - depth, angle, material, contact)[0]) > energy.item():
             size /= 2
@@ -94,6 +94,12 @@ def press(values: Mapping[str, Any], nodes: int, points: int, depth: float, angl
         np.count_nonzero(_points(plane, points // nodes, m)[:, 1] < depth - R) for m in range(points // nodes)
     )
     return Press(depth, load.item(), plane, pressed * 2 * R * np.sin(np.pi / nodes) * nodes / points)
+
+
+def _downhill(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return Newton's step, but downhill also where the energy is not convex: a stiff ring that starts flat buckles."""
+    curvature, directions = np.linalg.eigh(second)
+    return np.asarray(-directions @ ((directions.T @ first) / np.abs(curvature)))
 
 
 def stored(values: Mapping[str, Any], nodes: int, points: int, wheel: Press, angle: float = 0.0) -> float:
