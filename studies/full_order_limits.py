@@ -114,7 +114,7 @@ def predicted(contact: float, duration: float = 0.06) -> Crossing:
     return crossing(ROBOT, springs, RAMP, SPEED, duration, STEP)
 
 
-def towards_rigid(k_w: float, ring: Ring, duration: float = 0.3) -> Difference:
+def towards_rigid(k_w: float, ring: Ring, duration: float = 0.2) -> Difference:
     """Return what is left to `RigidContact` on a smooth hump for wheels of *k_w* (N/m), damped by `ZETA`."""
     c_w = ZETA * float(np.sqrt(2 * k_w / _MOBILITY))  # 2 zeta sqrt(k / P) of an axle, on two wheels
     return difference(_run(_HUMP, {"body": ring.body(k_w, c_w)}, duration), rigid_on_hump(duration))
