@@ -7,8 +7,8 @@ centimetres, and a penalty there gives as load^(2/3); with the springs of the de
 What it leaves falls with k_c^(-2/3), and `round_wheel` predicts it.  The sharp corner of the ramp is no obstacle.
 
 It becomes the second as all its springs grow, on smooth ground, if it does not bend between its nodes: otherwise its
-load changes from node to node, 9 % at 1e7 N/m, however small the depth.  The same holds of the points.  Neither has
-friction here.
+load changes from node to node, 9 % at 1e7 N/m, however small the depth.  The points do the same where few of them
+touch: they have to grow faster than the root of the stiffness, and the mass has to fall.  Neither has friction here.
 """
 
 from __future__ import annotations

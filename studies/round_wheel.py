@@ -7,8 +7,8 @@ faces i of the ground.  Without mass and friction its centre u lies where the en
 
 c is the hub; a face pushes with C d_i^(3/2), the sum of a penalty k_c d per length over the part of the circle below
 it.  K and C in series carry a load progressively; as k_c grows, all that is left is K, and u is the point of the
-path of the centre that is closest to the hub: `WheelDeformation`, but for the corner of that path.  Planar, small
-file, no co-simulation: an independent reference.
+path of the centre that is closest to the hub: `WheelDeformation`, but for the corner of that path.  Planar and
+without co-simulation: an independent reference.
 """
 
 from __future__ import annotations
