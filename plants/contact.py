@@ -94,18 +94,18 @@ def contact(row: Any, near: Any, rotation: Any, centre: Any, steer: Any) -> Cont
     a, b = (foot(face, X, Z, near[i]) for i, face in enumerate(faces(row)))
     on_a = a.distance <= b.distance
     first, second = ca.if_else(on_a, a.slope, b.slope), ca.if_else(on_a, a.bend, b.bend)
-    s = ca.sqrt(1 + first**2)
-    normal = rotation.T @ ca.vertcat(-first / s, 0, 1 / s)
+    c = 1 / ca.sqrt(1 + first**2)
+    normal = rotation.T @ ca.vertcat(-first * c, 0, c)
     heading = ca.vertcat(ca.cos(steer), ca.sin(steer), 0)
     flat = heading - ca.dot(heading, normal) * normal
-    along = flat / ca.sqrt(ca.dot(flat, flat))
+    along = flat * (1 / ca.sqrt(ca.dot(flat, flat)))
     return Contact(
         gap=ca.if_else(on_a, a.distance, b.distance),
         switch=row[15] * (a.distance - b.distance),
         slope=ca.atan(first),
-        curvature=second / s**3,
+        curvature=second * c**3,
         normal=normal,
-        tangent=rotation.T @ ca.vertcat(1 / s, 0, first / s),
+        tangent=rotation.T @ ca.vertcat(c, 0, first * c),
         along=along,
         left=ca.cross(normal, along),
     )

@@ -234,14 +234,24 @@ def motion(s: Any, where: Place, near: Any) -> Motion:
     along = [ca.dot(at[k].along, velocities[k]) for k in WHEELS]
     N = [at[k].normal - s.mu_r * ca.tanh(along[k] / _CREEP) * at[k].along for k in WHEELS]
 
-    free_force = rotation.T @ (s.force - ca.vertcat(0, 0, s.m * s.g)) + sum(at[j].left * s.lateral[j] for j in WHEELS)
-    free_moment = s.moment + sum(ca.cross(r[j], at[j].left * s.lateral[j]) for j in WHEELS)
-    free_moment -= ca.cross(s.omega, s.inertia * s.omega)
-    free_a, free_alpha = free_force / s.m, free_moment / s.inertia
+    lateral = [at[j].left * s.lateral[j] for j in WHEELS]
+    forces = [N[j] * s.normal_force[j] + at[j].along * s.traction[j] + lateral[j] for j in WHEELS]
+    outer_force = rotation.T @ (s.force - ca.vertcat(0, 0, s.m * s.g))
+    outer_moment = s.moment - ca.cross(s.omega, s.inertia * s.omega)
+    per_mass, per_inertia = 1 / s.m, 1 / s.inertia
 
-    per_normal = [(N[j] / s.m, ca.cross(r[j], N[j]) / s.inertia) for j in WHEELS]
-    per_traction = [(at[j].along / s.m, ca.cross(r[j], at[j].along) / s.inertia) for j in WHEELS]
-    per_lateral = [(at[j].left / s.m, ca.cross(r[j], at[j].left) / s.inertia) for j in WHEELS]
+    def accelerations(pushes: list[Any]) -> tuple[Any, Any]:
+        """Those of the body under outer forces and one force at each wheel."""
+        moment = outer_moment + sum(ca.cross(r[j], pushes[j]) for j in WHEELS)
+        return (outer_force + sum(pushes)) * per_mass, moment * per_inertia
+
+    def per_newton(directions: list[Any]) -> list[tuple[Any, Any]]:
+        """Those of the body under 1 N at one wheel."""
+        return [(directions[j] * per_mass, ca.cross(r[j], directions[j]) * per_inertia) for j in WHEELS]
+
+    per_normal, per_traction = per_newton(N), per_newton([c.along for c in at])
+    per_lateral = per_newton([c.left for c in at])
+    acceleration, alpha = accelerations(forces)
 
     def seen(k: int, a: Any, alpha: Any) -> Any:
         """The normal acceleration of wheel centre k for a body acceleration *a* and *alpha*."""
@@ -261,12 +271,10 @@ def motion(s: Any, where: Place, near: Any) -> Motion:
     U = ca.vertcat(*(ca.horzcat(*(seen(k, *per_traction[j]) for j in WHEELS)) for k in WHEELS))
     V = ca.vertcat(*(ca.horzcat(*(seen(k, *per_lateral[j]) for j in WHEELS)) for k in WHEELS))
     mobility = ca.vertcat(*(sum(ca.fabs(aside(k, *per_lateral[j])) for j in WHEELS) for k in WHEELS))
-    b_free = ca.vertcat(*(seen(k, free_a, free_alpha) + bent(k) for k in WHEELS))
-    fed = [(per_normal[j], s.normal_force[j]) for j in WHEELS] + [(per_traction[j], s.traction[j]) for j in WHEELS]
+    free = accelerations(lateral)
+    b_free = ca.vertcat(*(seen(k, *free) + bent(k) for k in WHEELS))
     return Motion(
         where, at, velocities, [ca.dot(at[k].left, v_body + ca.cross(s.omega, r[k])) for k in WHEELS],
-        forces=[N[k] * s.normal_force[k] + at[k].along * s.traction[k] + at[k].left * s.lateral[k] for k in WHEELS],
-        acceleration=free_a + sum(a * F for (a, _), F in fed),
-        alpha=free_alpha + sum(alpha * F for (_, alpha), F in fed),
+        forces=forces, acceleration=acceleration, alpha=alpha,
         P=P, U=U, V=V, mobility=mobility, b_free=b_free,
     )  # fmt: skip
