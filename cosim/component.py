@@ -22,6 +22,7 @@ meaningful, ``s.dt``.  They are written with CasADi expressions (``casadi.if_els
 | ``crossings(s)`` | events | indicators; an event is a change of sign (zero counts as positive) |
 | ``jump(s)`` | some states | their values after an event; ``s.crossed.NAME`` is -1, 0 or +1, the direction |
 | ``lookups(s)`` | tables | where each declared table is read; the rows found are ``s.TABLE``, (keys, columns) |
+| ``constants(s)`` | any names | of parameters and ``s.dt`` alone: computed when these change, read as ``s.NAME`` |
 
 A component with a ``flow`` that declares a parameter ``micro_step`` (in s) has it called over equal parts of a step,
 none longer than that: the scheme of an explicit integration, rather than an exact solution.
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
     from .equations import Equations
     from .twin import PythonInstance
 
-EQUATIONS = ("derivatives", "outputs", "sync", "flow", "crossings", "jump", "lookups")
+EQUATIONS = ("derivatives", "outputs", "sync", "flow", "crossings", "jump", "lookups", "constants")
 _built: dict[tuple[Any, ...], Equations] = {}
 _RESERVED = {"time", "dt", "crossed", *EQUATIONS}
 

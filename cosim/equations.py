@@ -1,8 +1,8 @@
 """The equations of a component as CasADi functions of flat vectors, for the Python instance and for the C code.
 
-Every function takes ``(t, h, x, u, p, w)``: time, step length, states, inputs, parameters and looked-up table rows,
-each flattened in the order of declaration, arrays row-major.  ``jump`` takes the crossing directions ``c`` behind them,
-``jvp`` the seeds ``dx, du``.
+Every function takes ``(t, h, x, u, p, w, k)``: time, step length, states, inputs, parameters, looked-up table rows and
+the constants that ``once`` computes from h and p, each flattened in the order of declaration, arrays row-major.
+``jump`` takes the crossing directions ``c`` behind them, ``jvp`` the seeds ``dx, du``.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ class Equations:
     outputs: tuple[Block, ...]
     events: tuple[Block, ...]
     tables: tuple[Block, ...]  # shape (keys, columns)
+    once: ca.Function | None
     ode: ca.Function | None
     out: ca.Function
     sync: ca.Function | None
@@ -163,14 +164,17 @@ class _Symbols:
     u: ca.SX
     p: ca.SX
     w: ca.SX
+    k: ca.SX
     s: Namespace
     keys: ca.SX  # where the tables are read, in their order
+    constants: ca.SX  # what k stands for
 
     def function(self, name: str, result: ca.SX, *more: ca.SX) -> ca.Function:
         """Return *result* as a function of the flat vectors and *more*."""
         extra = [f"a{i}" for i in range(len(more))]
-        arguments = [self.t, self.h, self.x, self.u, self.p, self.w, *more]
-        return ca.Function(name, arguments, [ca.cse(ca.densify(result))], ["t", "h", "x", "u", "p", "w", *extra], ["r"])
+        arguments = [self.t, self.h, self.x, self.u, self.p, self.w, self.k, *more]
+        names = ["t", "h", "x", "u", "p", "w", "k", *extra]
+        return ca.Function(name, arguments, [ca.cse(ca.densify(result))], names, ["r"])
 
     def held(self, block: Block) -> ca.SX:
         """Return a state as it is."""
@@ -192,11 +196,30 @@ def _symbols(component: Component) -> _Symbols:
     for flat, blocks in ((x, states), (u, inputs), (p, parameters)):
         for block in blocks:
             setattr(s, block.name, _unflatten(flat, block))
+    k, constants = _constants(component, s, [b.name for b in parameters])
     tables, keys = _lookups(component, s)
     w = kind.sym("w", tables[-1].at.stop if tables else 0)
     for block in tables:
         setattr(s, block.name, _unflatten(w, block))
-    return _Symbols(states, inputs, parameters, tables, t, h, x, u, p, w, s, keys)
+    return _Symbols(states, inputs, parameters, tables, t, h, x, u, p, w, k, s, keys, constants)
+
+
+def _constants(component: Component, s: Namespace, parameters: list[str]) -> tuple[ca.SX, ca.SX]:
+    """Put the component's constants into *s* as symbols; return these, flattened, and what they stand for."""
+    kind = component.symbols
+    if not hasattr(component, "constants"):
+        return kind.sym("k", 0), kind(0, 1)
+    known = {name: getattr(s, name) for name in ("dt", *component.structure, *parameters)}
+    found = {n: kind(v) for n, v in _evaluate(component, "constants", Namespace(**known)).items()}
+    for name in found:
+        if name in component.declarations:
+            raise DeclarationError(f"{type(component).__name__}.constants returned {name!r}, which is declared")
+    parts = [ca.vec(ca.densify(v)) for v in found.values()]
+    k, at = kind.sym("k", sum(v.numel() for v in parts)), 0
+    for name, value in found.items():
+        setattr(s, name, ca.reshape(k[at : at + value.numel()], *value.shape))
+        at += value.numel()
+    return k, ca.vertcat(*parts)
 
 
 def _lookups(component: Component, s: Namespace) -> tuple[tuple[Block, ...], ca.SX]:
@@ -254,6 +277,7 @@ def build(component: Component) -> Equations:
         outputs=outputs,
         events=events,
         tables=v.tables,
+        once=v.function("once", v.constants) if v.k.numel() else None,
         ode=v.function("ode", ode) if ode is not None else None,
         out=f_out,
         sync=sync,

@@ -151,7 +151,7 @@ def _sampled(instance: PythonInstance) -> Linear:
     ahead = eq.sync(*arguments) if eq.sync is not None else x
     shown = eq.out(*arguments[:2], ahead, *arguments[3:])
     derivatives = [ca.jacobian(f, z) for f in (ahead, shown) for z in (x, u)]
-    point = (instance.t, 0.0, instance.x, instance.u, instance.p, instance.looked_up())
+    point = (instance.t, 0.0, instance.x, instance.u, instance.p, instance.looked_up(), instance.constants(0.0))
     A, B, C, D = (np.array(m) for m in ca.Function("jacobians", arguments, derivatives)(*point))
     states = [instance.variable(b.name) for b in eq.states]
     real = [i for i, v in enumerate(v for v in states for _ in range(v.size)) if v.variability != "discrete"]

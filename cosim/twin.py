@@ -40,6 +40,7 @@ class PythonInstance(Instance):
         self._slopes: list[np.ndarray] = []  # derivatives of the inputs at the start of a step
         self._since = 0.0  # s, where that step began
         self.tables = {b.name: component.values[b.name] for b in self.eq.tables}
+        self._constants: dict[float, np.ndarray] = {}  # by step length; of the parameters as they are
         self.tolerance = 1e-8
         self.after_event = False  # the states are a hair past an event: the next step is a short one
 
@@ -66,6 +67,7 @@ class PythonInstance(Instance):
                 f"{self.name}.{name} has shape {list(block.shape)}, but was given {list(np.shape(value))}"
             )
         values[block.at] = np.ravel(np.broadcast_to(value, block.shape))
+        self._constants.clear()
         if variable.causality == "input":
             self.u[block.at] = values[block.at]
 
@@ -109,7 +111,7 @@ class PythonInstance(Instance):
     def _rows(self, t: float, x: np.ndarray, h: float) -> np.ndarray:
         if self.eq.where is None:
             return np.zeros(0)
-        keys = np.asarray(self.eq.where(t, h, x, self._inputs(t), self.p, 0)).ravel()
+        keys = np.asarray(self.eq.where(t, h, x, self._inputs(t), self.p, 0, self.constants(h))).ravel()
         found, k = [], 0
         for block in self.eq.tables:
             rows = self.tables[block.name]
@@ -123,7 +125,8 @@ class PythonInstance(Instance):
     ) -> np.ndarray:
         t, x = self.t if t is None else t, self.x if x is None else x
         u = self._inputs(t)
-        return np.asarray(getattr(self.eq, function)(t, h, x, u, self.p, self._rows(t, x, h), *more)).ravel()
+        given = (t, h, x, u, self.p, self._rows(t, x, h), self.constants(h), *more)
+        return np.asarray(getattr(self.eq, function)(*given)).ravel()
 
     def _check(self, values: np.ndarray, blocks: tuple[Block, ...], t: float, what: str) -> None:
         if not np.all(np.isfinite(values)):
@@ -135,6 +138,14 @@ class PythonInstance(Instance):
     def looked_up(self) -> np.ndarray:
         """Return the rows of the tables that are read where the instance is, flattened."""
         return self._rows(self.t, self.x, 0.0)
+
+    def constants(self, h: float) -> np.ndarray:
+        """Return what depends on the parameters and the step length *h* (s) alone, flattened."""
+        if self.eq.once is None:
+            return np.zeros(0)
+        if h not in self._constants:
+            self._constants = {h: np.asarray(self.eq.once(0, h, 0, 0, self.p, 0, 0)).ravel()}
+        return self._constants[h]
 
     # life
 
@@ -153,7 +164,7 @@ class PythonInstance(Instance):
                 if tick > now and (stopped := self._advance(now, tick, early_return)).early:
                     return stopped
                 self.t = seconds(tick)
-                self.x = self._call("sync", h=seconds(end) - self.t)
+                self.x = self._call("sync", h=seconds(end - tick))
                 self._check(self.x, self.eq.states, self.t, "state")
                 now = tick
         advance = self._advance(now, end, early_return)
@@ -173,8 +184,9 @@ class PythonInstance(Instance):
         t, stop = seconds(start), seconds(end)
         if self.eq.flow is not None:
             n = 1 if self.eq.micro is None else max(1, ceil((stop - t) / self.p[self.eq.micro] - 1e-6))
+            h = seconds(end - start) / n
             for i in range(n):
-                self.x = self._call("flow", t + i * ((stop - t) / n), self.x, (stop - t) / n)
+                self.x = self._call("flow", t + i * h, self.x, h)
             return Advance(end)
         if self.eq.ode is None:
             return Advance(end)
@@ -239,6 +251,7 @@ class PythonInstance(Instance):
 
     def restore(self, snapshot: Any) -> None:
         self.after_event = bool(snapshot["after_event"])
+        self._constants.clear()
         self.t, self.x, self.p = float(snapshot["t"]), snapshot["x"].copy(), snapshot["p"].copy()
         self._slopes, self._since = list(snapshot["slopes"]), float(snapshot["since"])
         self._u[:] = snapshot["u"]

@@ -12,7 +12,7 @@ import numpy as np
 from cosim.component import table_text
 
 from .layout import Layout
-from .schedule import rescheduled
+from .vectors import PREAMBLE, packed
 
 PREFIX = "eq_"  # a function's name becomes a C identifier: alone, "jump" or "out" might collide
 
@@ -40,13 +40,19 @@ def equations_source(layout: Layout) -> str:
     """Return the C of the component's equation functions."""
     options = {"with_header": False, "main": False, "mex": False, "with_mem": False}
     generator = ca.CodeGenerator("equations.c", options)
-    for name, function in layout.component.equations.functions().items():
-        generator.add(_exported(function, PREFIX + name))
+    exported = [_exported(f, PREFIX + name) for name, f in layout.component.equations.functions().items()]
+    for function in exported:
+        generator.add(function)
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(f"{folder}/")
         source = Path(folder, "equations.c").read_text()
     begin, end = source.index(f"/* {PREFIX}jvp:"), source.index(f"CASADI_SYMBOL_EXPORT int {PREFIX}jvp(")
-    return "".join((rescheduled(source[:begin]), _UNHURRIED, source[begin:end], _HURRIED, source[end:]))
+    source = "".join((source[:begin], _UNHURRIED, source[begin:end], _HURRIED, source[end:]))
+    vectors = {f.name(): text for f in exported if f.name() != PREFIX + "jvp" and (text := packed(f, "packed_" + f.name()))}
+    if not vectors:
+        return source
+    return "".join((source, PREAMBLE, "#ifdef WITH_VECTORS\n",
+                    *(f"{text}#define {name} packed_{name}\n" for name, text in vectors.items()), "#endif\n"))  # fmt: skip
 
 
 def _exported(function: ca.Function, name: str) -> ca.Function:
@@ -83,6 +89,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
         "n_w": sum(b.shape[0] * b.shape[1] for b in eq.tables),
         "n_keys": sum(b.shape[0] for b in eq.tables),
         "n_tables": len(eq.tables),
+        "n_k": eq.once.numel_out() if eq.once else 0,
         "period": period,
         "micro": -1 if eq.micro is None else first["p"] + eq.micro,
         "n_iw": max(f.sz_iw() for f in functions.values()),
@@ -96,7 +103,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
         [
             f"/* {identifier}: its equations and the description of its slots; generated. */",
             f"#define FMI_VERSION {fmi}",
-            f"#define SZ_ARG {max(8, *(f.sz_arg() for f in functions.values()))}",
+            f"#define SZ_ARG {max(9, *(f.sz_arg() for f in functions.values()))}",
             f"#define SZ_RES {max(f.sz_res() for f in functions.values())}",
             _INCLUDE_EQUATIONS,
             _array("double", "start_of", [repr(float(v)) for v in start]),

@@ -52,35 +52,43 @@ class ChassisModal(Component):
     strain_energy = output("J", "energy stored in the elastic modes")
     elastic_kinetic_energy = output("J", "kinetic energy of the elastic modes")
 
-    def flow(s: Any) -> dict[str, Any]:
-        w, wd, f = _frequencies(s)
-        still = f / w**2
+    def constants(s: Any) -> dict[str, Any]:
+        w = 2 * pi * s.frequency  # rad/s
+        wd = w * ca.sqrt(1 - s.damping**2)
         decay = ca.exp(-s.damping * w * s.dt)
         C, S = ca.cos(wd * s.dt), ca.sin(wd * s.dt) / wd
+        return {
+            "w2": w**2, "drag": 2 * s.damping * w, "softness": 1 / w**2,
+            "q_by_q": decay * (C + s.damping * w * S), "q_by_rate": decay * S,
+            "rate_by_q": -decay * w**2 * S, "rate_by_rate": decay * (C - s.damping * w * S),
+        }  # fmt: skip
+
+    def flow(s: Any) -> dict[str, Any]:
+        still = _modal_force(s) * s.softness
         off = s.modal_q - still
         return {
-            "modal_q": still + decay * (off * (C + s.damping * w * S) + s.modal_rate * S),
-            "modal_rate": decay * (s.modal_rate * (C - s.damping * w * S) - off * w**2 * S),
+            "modal_q": still + s.q_by_q * off + s.q_by_rate * s.modal_rate,
+            "modal_rate": s.rate_by_q * off + s.rate_by_rate * s.modal_rate,
         }
 
     def derivatives(s: Any) -> dict[str, Any]:
-        w, _, f = _frequencies(s)
-        return {"modal_q": s.modal_rate, "modal_rate": f - 2 * s.damping * w * s.modal_rate - w**2 * s.modal_q}
+        return {
+            "modal_q": s.modal_rate,
+            "modal_rate": _modal_force(s) - s.drag * s.modal_rate - s.w2 * s.modal_q,
+        }
 
     def outputs(s: Any) -> dict[str, Any]:
-        w, _, _ = _frequencies(s)
         return {
             "acceleration": s.station_shape @ ChassisModal.derivatives(s)["modal_rate"],
             "modal_displacement": s.modal_q,
-            "strain_energy": ca.sumsqr(w * s.modal_q) / 2,
+            "strain_energy": ca.dot(s.w2, s.modal_q**2) / 2,
             "elastic_kinetic_energy": ca.sumsqr(s.modal_rate) / 2,
         }
 
 
-def _frequencies(s: Any) -> tuple[Any, Any, Any]:
-    """Return w and w_d in rad/s, and the modal forces."""
-    w = 2 * pi * s.frequency
-    return w, w * ca.sqrt(1 - s.damping**2), s.wheel_shape.T @ s.wheel_force
+def _modal_force(s: Any) -> Any:
+    """Return phi_wheels^T F (modes,)."""
+    return s.wheel_shape.T @ s.wheel_force
 
 
 def static_deflection(chassis: Component, wheel_force: np.ndarray) -> np.ndarray:

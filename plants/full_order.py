@@ -21,7 +21,7 @@ from .full_order_outputs import chassis_seen, measured, rings_seen
 from .full_order_ports import NAMES, FullOrderPorts, packed, seen
 from .full_order_steering import rate
 from .full_order_step import frames, micro_step, rotation, turning
-from .rigid_body import LEVEL, wheel_centres
+from .rigid_body import LEVEL, wheel_arms, wheel_centres
 from .ring import MATERIAL, UNLIMITED, share, shifted
 from .ring_contact import COLUMNS, keys
 
@@ -143,6 +143,9 @@ class FullOrderRover(FullOrderPorts):
                 f"FullOrderRover.micro_step is {self.micro_step:g} s, but these springs and masses are stable up to "
                 f"{limit:.3g} s only; take a shorter one"
             )
+
+    def constants(s: Any) -> dict[str, Any]:
+        return {"arms": wheel_arms(s)}
 
     def lookups(s: Any) -> dict[str, Any]:
         found = []

@@ -18,7 +18,7 @@ from cosim import Component, input, output
 
 from .chassis_modal import ChassisModal
 from .contact import COLUMNS
-from .rigid_body import RigidBody, motion, place
+from .rigid_body import RigidBody, body_constants, motion, place
 from .wheel_drive import WheelDrive
 
 WHEELS = range(4)
@@ -112,6 +112,7 @@ def sensed() -> ca.Function:
     none = ca.SX.zeros(4)
     body = SimpleNamespace(**s, left=rows, right=rows, normal_force=none, traction=none, mu_r=0,
                            traction_arm="ground")  # fmt: skip
+    vars(body).update(body_constants(body))
     where = place(body)
     near = where.feet()
     m = motion(body, where, near)

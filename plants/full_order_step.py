@@ -29,7 +29,7 @@ from .contact import COLUMNS, rotation_matrix
 from .full_order_accounts import After, accounts
 from .full_order_ports import NAMES, WHEELS, packed, path_rows, rows_of
 from .full_order_steering import aligned, axles
-from .rigid_body import contacts, place
+from .rigid_body import contacts, place, wheel_arms
 from .ring import CONTACT, MATERIAL, crossed, share
 from .ring_wheel import ring
 
@@ -94,6 +94,7 @@ def headings() -> ca.Function:
     R, rows = ca.SX.sym("R"), ca.SX.sym("rows", 4, COLUMNS)
     body = SimpleNamespace(q=q, r=r, R=R, left=rows, right=rows, steer=steered,
                            **dict(zip(("L_f", "L_r", "half_track", "h"), ca.vertsplit(size), strict=True)))  # fmt: skip
+    body.arms = wheel_arms(body)
     where = place(body)
     at = contacts(body, where, where.feet())
     found: Any = [ca.horzcat(*(where.rotation @ getattr(c, name) for c in at)) for name in ("along", "normal")]

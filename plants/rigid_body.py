@@ -99,6 +99,9 @@ class RigidBody(Component):
     kinetic_energy = output("J", "kinetic energy")
     potential_energy = output("J", "potential energy above world z = 0")
 
+    def constants(s: Any) -> dict[str, Any]:
+        return body_constants(s)
+
     def lookups(s: Any) -> dict[str, Any]:
         keys = wheel_centres(s, rotation_matrix(s.q))[:, 0]
         return {"left": keys, "right": keys}
@@ -187,14 +190,19 @@ class Motion:
     b_free: Any
 
 
-def wheel_arms(s: Any) -> list[Any]:
-    """Return the wheel centres c_k in body axes."""
-    return [ca.vertcat(x, y, -s.h) for x in (s.L_f, -s.L_r) for y in (s.half_track, -s.half_track)]
+def wheel_arms(s: Any) -> Any:
+    """Return the wheel centres c_k in body axes, (3, 4)."""
+    return ca.horzcat(*(ca.vertcat(x, y, -s.h) for x in (s.L_f, -s.L_r) for y in (s.half_track, -s.half_track)))
+
+
+def body_constants(s: Any) -> dict[str, Any]:
+    """Return what `motion` needs of the parameters: `wheel_arms`, reciprocals of mass and moments of inertia."""
+    return {"arms": wheel_arms(s), "per_mass": 1 / s.m, "per_inertia": 1 / s.inertia}
 
 
 def wheel_centres(s: Any, rotation: Any) -> Any:
     """Return the wheel centres in the world, (4, 3)."""
-    return ca.horzcat(*(s.r + rotation @ c for c in wheel_arms(s))).T
+    return ca.horzcat(*(s.r + rotation @ s.arms[:, k] for k in WHEELS)).T
 
 
 @dataclass(frozen=True)
@@ -226,7 +234,7 @@ def contacts(s: Any, where: Place, near: Any) -> list[Contact]:
 
 def motion(s: Any, where: Place, near: Any) -> Motion:
     """Evaluate contacts, reduced interface model and accelerations; *near* as for `contacts`."""
-    rotation, arms = where.rotation, wheel_arms(s)
+    rotation, arms = where.rotation, [s.arms[:, k] for k in WHEELS]
     at = contacts(s, where, near)
     v_body = rotation.T @ s.v
     velocities = [v_body + ca.cross(s.omega, c) for c in arms]
@@ -238,16 +246,15 @@ def motion(s: Any, where: Place, near: Any) -> Motion:
     forces = [N[j] * s.normal_force[j] + at[j].along * s.traction[j] + lateral[j] for j in WHEELS]
     outer_force = rotation.T @ (s.force - ca.vertcat(0, 0, s.m * s.g))
     outer_moment = s.moment - ca.cross(s.omega, s.inertia * s.omega)
-    per_mass, per_inertia = 1 / s.m, 1 / s.inertia
 
     def accelerations(pushes: list[Any]) -> tuple[Any, Any]:
         """Those of the body under outer forces and one force at each wheel."""
         moment = outer_moment + sum(ca.cross(r[j], pushes[j]) for j in WHEELS)
-        return (outer_force + sum(pushes)) * per_mass, moment * per_inertia
+        return (outer_force + sum(pushes)) * s.per_mass, moment * s.per_inertia
 
     def per_newton(directions: list[Any]) -> list[tuple[Any, Any]]:
         """Those of the body under 1 N at one wheel."""
-        return [(directions[j] * per_mass, ca.cross(r[j], directions[j]) * per_inertia) for j in WHEELS]
+        return [(directions[j] * s.per_mass, ca.cross(r[j], directions[j]) * s.per_inertia) for j in WHEELS]
 
     per_normal, per_traction = per_newton(N), per_newton([c.along for c in at])
     per_lateral = per_newton([c.left for c in at])

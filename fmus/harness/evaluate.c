@@ -15,6 +15,23 @@ static const double *inputs_at(Instance *in, double t)
     return in->u_now;
 }
 
+/* What depends on parameters and the step length alone, computed when they change. */
+static const double *constants(Instance *in, double h)
+{
+    int which = h != 0;
+    const double *arg[SZ_ARG];
+    double *res[SZ_RES];
+    if (in->constants_for[which] == h)
+        return in->constants[which];
+    memset(arg, 0, sizeof arg);
+    arg[1] = &h;
+    arg[4] = in->slot + model.p;
+    res[0] = in->constants[which];
+    model.once(arg, res, in->iw, in->work, 0);
+    in->constants_for[which] = h;
+    return in->constants[which];
+}
+
 static void call(Instance *in, Equation *f, double t, double h, const double *x, const double *more, const double *last, double *result)
 {
     const double *arg[SZ_ARG]; /* generated code keeps its own pointers behind those it is given */
@@ -25,13 +42,14 @@ static void call(Instance *in, Equation *f, double t, double h, const double *x,
     arg[3] = inputs_at(in, t);
     arg[4] = in->slot + model.p;
     arg[5] = in->rows;
+    arg[6] = model.once ? constants(in, h) : NULL;
     if (model.where) {
         res[0] = in->keys;
         model.where(arg, res, in->iw, in->work, 0);
         table_rows(in);
     }
-    arg[6] = more; /* not before: where may have used what lies behind its own arguments */
-    arg[7] = last;
+    arg[7] = more; /* not before: where may have used what lies behind its own arguments */
+    arg[8] = last;
     res[0] = result;
     f(arg, res, in->iw, in->work, 0);
 }

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An equation in the form CasADi generates: arg is t, h, x, u, p, w and up to two more. */
+/* An equation in the form CasADi generates: arg is t, h, x, u, p, w, k and up to two more. */
 typedef int Equation(const double **arg, double **res, long long *iw, double *w, int mem);
 
 typedef struct {
@@ -31,6 +31,7 @@ typedef struct {
     int p, u, x, y, dx, end;     /* first slot of each kind, and one behind the last */
     int n_p, n_u, n_x, n_y, n_g; /* how many parameters, inputs, states, outputs, event indicators */
     int n_w, n_keys, n_tables;   /* numbers looked up, keys they are looked up by, tables */
+    int n_k;                     /* constants: what depends on parameters and step length alone */
     int period;                  /* slot of the sample period, or -1 */
     int micro;                   /* slot of the longest micro step of a flow, or -1 */
     const double *start;         /* of parameters, inputs and states */
@@ -40,7 +41,7 @@ typedef struct {
     const char *const *events;   /* names of the indicators */
     const unsigned char *announced; /* per indicator: does a step return early there */
     const TableLayout *tables;
-    Equation *ode, *out, *sync, *flow, *zero, *jump, *where, *jvp; /* NULL where there is none */
+    Equation *once, *ode, *out, *sync, *flow, *zero, *jump, *where, *jvp; /* NULL where there is none */
     int n_iw, n_work;            /* work space of the equations */
 } Model;
 
@@ -70,6 +71,7 @@ struct Instance {
     /* work space, allocated once */
     double *memory;        /* the block the pointers below share */
     double *rows, *keys;   /* looked-up rows of the tables, and the keys */
+    double *constants[2], constants_for[2]; /* at step length 0 and at another one, NaN until computed */
     int *hint;             /* per key: where its row was last found */
     double *k[7], *trial, *dense[5], *probe; /* stages, trial state, dense output: coefficients and a state on it */
     double *indicator, *crossed, *seed, *tangent, *work;
@@ -134,6 +136,7 @@ static Status snapshot_serialize(Instance *in, const void *state, void *bytes, s
 static Status snapshot_deserialize(Instance *in, const void *bytes, size_t size, void **state);
 
 /* instance.c */
+static void forget(Instance *in);
 static Instance *instance_new(const char *name);
 static void instance_free(Instance *in);
 static Status instance_reset(Instance *in);

@@ -15,6 +15,8 @@ static void lay_out(Instance *in)
     in->slot = reserve(&next, model.end);
     in->rows = reserve(&next, model.n_w);
     in->keys = reserve(&next, model.n_keys);
+    for (i = 0; i < 2; i++)
+        in->constants[i] = reserve(&next, model.n_k);
     for (i = 0; i < 7; i++)
         in->k[i] = reserve(&next, model.n_x);
     for (i = 0; i < 5; i++)
@@ -34,7 +36,7 @@ static void lay_out(Instance *in)
 /* ... and how much that takes: at least one, so that calloc does not answer NULL. */
 static size_t doubles_needed(void)
 {
-    return (size_t)(model.end + model.n_w + model.n_keys + 16 * model.n_x + 2 * model.n_g + 4 * model.n_u + model.n_y + model.n_work + 1);
+    return (size_t)(model.end + model.n_w + model.n_keys + 2 * model.n_k + 16 * model.n_x + 2 * model.n_g + 4 * model.n_u + model.n_y + model.n_work + 1);
 }
 
 static Instance *instance_new(const char *name)
@@ -77,6 +79,13 @@ static void instance_free(Instance *in)
     free(in);
 }
 
+/* The parameters may have changed. */
+static void forget(Instance *in)
+{
+    in->outputs_valid = in->derivatives_valid = 0;
+    in->constants_for[0] = in->constants_for[1] = NAN;
+}
+
 /* Back to the start values. */
 static Status instance_reset(Instance *in)
 {
@@ -87,7 +96,7 @@ static Status instance_reset(Instance *in)
     in->h_next = 0;
     in->continuing = 0;
     in->n_slopes = 0;
-    in->outputs_valid = in->derivatives_valid = 0;
+    forget(in);
     in->mode = INSTANTIATED;
     for (i = 0; i < model.n_tables; i++)
         if (table_set(in, i, model.tables[i].start) != STATUS_OK)
@@ -153,5 +162,7 @@ static Status slot_write(Instance *in, unsigned reference, unsigned n, const dou
     memcpy(in->slot + reference, values, sizeof *values * n);
     in->continuing = 0;
     in->outputs_valid = in->derivatives_valid = 0;
+    if (!input)
+        forget(in);
     return STATUS_OK;
 }

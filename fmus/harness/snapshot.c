@@ -66,6 +66,8 @@ static Status snapshot_read(Instance *in, const unsigned char *bytes)
     bytes += sizeof head;
     for (i = 0; i < SLOPES; i++, bytes += sizeof(double) * (size_t)model.n_u)
         memcpy(in->slope[i], bytes, sizeof(double) * (size_t)model.n_u);
+    if (memcmp(in->slot + model.p, bytes + sizeof(double) * (size_t)model.p, sizeof(double) * (size_t)model.n_p))
+        forget(in);
     memcpy(in->slot, bytes, sizeof(double) * n_saved());
     in->outputs_valid = in->derivatives_valid = 0;
     return STATUS_OK;

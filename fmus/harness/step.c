@@ -14,7 +14,7 @@ static Status advance(Instance *in, double t, double stop, Ending *ending)
     if (model.flow) {
         double n = model.micro < 0 ? 1 : ceil((stop - t) / in->slot[model.micro] - 1e-6), h, i;
         n = n > 1 ? n : 1;
-        h = (stop - t) / n;
+        h = snapped(stop - t) / n; /* the same in every step, so that constants stay */
         for (i = 0; i < n; i++) {
             evaluate(in, model.flow, t + i * h, h, x, in->trial);
             memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
@@ -27,7 +27,7 @@ static Status advance(Instance *in, double t, double stop, Ending *ending)
 static Status synchronise(Instance *in, double t, double to)
 {
     double *x = in->slot + model.x;
-    evaluate(in, model.sync, t, to - t, x, in->trial);
+    evaluate(in, model.sync, t, snapped(to - t), x, in->trial);
     memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
     return check_finite(in, x, model.x, model.n_x, t, "state");
 }
