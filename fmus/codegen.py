@@ -12,7 +12,7 @@ import numpy as np
 from cosim.component import table_text
 
 from .layout import Layout
-from .vectors import PREAMBLE, packed
+from .vectors import LANES, packed
 
 PREFIX = "eq_"  # a function's name becomes a C identifier: alone, "jump" or "out" might collide
 
@@ -51,7 +51,7 @@ def equations_source(layout: Layout) -> str:
     vectors = {f.name(): text for f in exported if f.name() != PREFIX + "jvp" and (text := packed(f, "packed_" + f.name()))}
     if not vectors:
         return source
-    return "".join((source, PREAMBLE, "#ifdef WITH_VECTORS\n",
+    return "".join((source, "#ifdef WITH_VECTORS\n",
                     *(f"{text}#define {name} packed_{name}\n" for name, text in vectors.items()), "#endif\n"))  # fmt: skip
 
 
@@ -107,7 +107,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
             f"#define SZ_RES {max(f.sz_res() for f in functions.values())}",
             _INCLUDE_EQUATIONS,
             _array("double", "start_of", [repr(float(v)) for v in start]),
-            _array("double", "nominal_of", [repr(float(v)) for v in eq.nominal]),
+            _array("double", "nominal_of", [repr(float(v)) for v in (*eq.nominal, *[1.0] * (-len(eq.nominal) % LANES))]),
             _array("char *const", "labels_of", [_quoted(label) for label in layout.labels()]),
             _array("unsigned", "extent_of", [str(n) for n in extent]),
             _array("char *const", "events_of", [_quoted(label) for label in events]),

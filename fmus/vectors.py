@@ -20,27 +20,6 @@ _GATHERED = "((Four){"  # how a vector of values from here and there begins,
 _GATHERING = 6  # and about how many operations it takes
 _WORTH = 0.75  # of the operations: a function that does not come below is left to CasADi
 
-PREAMBLE = """\
-#if (defined(__GNUC__) || defined(__clang__)) && !defined(WITHOUT_VECTORS)
-#define WITH_VECTORS
-typedef double Four __attribute__((vector_size(32)));
-typedef double FourInMemory __attribute__((vector_size(32), aligned(8), may_alias));
-typedef long long Mask __attribute__((vector_size(32)));
-#define SAME(a) ((Four){a, a, a, a})
-#define FROM(address) (*(const FourInMemory *)(address))
-#define TO(address) (*(FourInMemory *)(address))
-#define PICK(mask, a, b) ((Four)(((mask) & (Mask)(a)) | (~(mask) & (Mask)(b))))
-#define TRUTH(mask) ((Four)((mask) & (Mask)SAME(1.0)))
-#define SQRT(a) ((Four){sqrt((a)[0]), sqrt((a)[1]), sqrt((a)[2]), sqrt((a)[3])})
-/* the same bits with and without the wide registers of newer processors, which is chosen when the library is loaded */
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
-#define WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define WIDE
-#endif
-#endif
-"""
-
 _SCALAR = {
     ca.OP_ASSIGN: "{0}", ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}",
     ca.OP_DIV: "{0} / {1}", ca.OP_NEG: "-{0}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "2 * {0}", ca.OP_INV: "1 / {0}",

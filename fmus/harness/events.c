@@ -15,15 +15,21 @@ static int changed(const Instance *in)
     return memcmp(in->before, in->after, (size_t)model.n_g) != 0;
 }
 
+/* Whether a sign changes on the way to in->trial at t. */
+static int crosses(Instance *in, double t)
+{
+    if (!model.n_g)
+        return 0;
+    signs(in, t, in->trial, in->after);
+    return changed(in);
+}
+
 /* Whether a sign changed in the step of length h just taken from t; if so, *at is how far into the step the first
  * change is complete, located on the dense output to 1e-13 s.  Bisection: an event is rare, and this cannot fail. */
 static int event_between(Instance *in, double t, double h, double *at)
 {
     double low = 0, high = h, width = 4 * DBL_EPSILON * (fabs(t) + h);
-    if (!model.n_g)
-        return 0;
-    signs(in, t + h, in->trial, in->after);
-    if (!changed(in))
+    if (!crosses(in, t + h))
         return 0;
     if (width < 1e-13)
         width = 1e-13;

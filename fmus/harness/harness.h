@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "vectors.h"
+
 /* An equation in the form CasADi generates: arg is t, h, x, u, p, w, k and up to two more. */
 typedef int Equation(const double **arg, double **res, long long *iw, double *w, int mem);
 
@@ -35,7 +37,7 @@ typedef struct {
     int period;                  /* slot of the sample period, or -1 */
     int micro;                   /* slot of the longest micro step of a flow, or -1 */
     const double *start;         /* of parameters, inputs and states */
-    const double *nominal;       /* of the states */
+    const double *nominal;       /* of the states; up to a multiple of four, like all that is as many as the states */
     const char *const *labels;   /* one per slot */
     const unsigned *extent;      /* scalars of the variable that begins in a slot, 0 inside one */
     const char *const *events;   /* names of the indicators */
@@ -74,6 +76,7 @@ struct Instance {
     double *constants[2], constants_for[2]; /* at step length 0 and at another one, NaN until computed */
     int *hint;             /* per key: where its row was last found */
     double *k[7], *trial, *dense[5], *probe; /* stages, trial state, dense output: coefficients and a state on it */
+    double *ratio;         /* estimated errors of a step over the tolerated ones */
     double *indicator, *crossed, *seed, *tangent, *work;
     double *slope[2], *u_now; /* time derivatives of the inputs since the step began, and the inputs at some time */
     signed char *before, *after;     /* signs of the indicators */
@@ -121,6 +124,7 @@ static Status integrate(Instance *in, double t, double stop, Ending *ending);
 
 /* events.c */
 static void signs(Instance *in, double t, const double *x, signed char *found);
+static int crosses(Instance *in, double t);
 static int event_between(Instance *in, double t, double h, double *at);
 static Status jump(Instance *in, double t, int *event, int *announced);
 

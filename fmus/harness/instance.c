@@ -3,7 +3,7 @@
 static double *reserve(double **next, int n)
 {
     double *here = *next;
-    *next += n;
+    *next += (n + 3) / 4 * 4; /* whole vectors */
     return here;
 }
 
@@ -23,6 +23,7 @@ static void lay_out(Instance *in)
         in->dense[i] = reserve(&next, model.n_x);
     in->trial = reserve(&next, model.n_x);
     in->probe = reserve(&next, model.n_x);
+    in->ratio = reserve(&next, model.n_x);
     in->indicator = reserve(&next, model.n_g);
     in->crossed = reserve(&next, model.n_g);
     in->seed = reserve(&next, model.n_x + model.n_u);
@@ -33,10 +34,10 @@ static void lay_out(Instance *in)
     in->u_now = reserve(&next, model.n_u);
 }
 
-/* ... and how much that takes: at least one, so that calloc does not answer NULL. */
+/* ... and how much that takes at most: the numbers of each array, and three more. */
 static size_t doubles_needed(void)
 {
-    return (size_t)(model.end + model.n_w + model.n_keys + 2 * model.n_k + 16 * model.n_x + 2 * model.n_g + 4 * model.n_u + model.n_y + model.n_work + 1);
+    return (size_t)(model.end + model.n_w + model.n_keys + 2 * model.n_k + 17 * model.n_x + 2 * model.n_g + 4 * model.n_u + model.n_y + model.n_work + 3 * 32);
 }
 
 static Instance *instance_new(const char *name)

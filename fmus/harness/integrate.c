@@ -22,10 +22,67 @@ static const double SAFETY = 0.9, SHRINK = 0.2, GROW = 10.0, BETA = 0.04, EXPONE
 static const double AFTER_EVENT = 1e-6;
 static const int MAX_STEPS = 10000000; /* in one communication step */
 
+/* What the first four stages tell by themselves: a step of order 3, and how far it is from one of order 2. */
+static const double THIRD[4] = {7.0 / 72, 0, 4.0 / 9, 11.0 / 24};
+static const double SHORT_ERROR[4] = {55.0 / 72, 0, -11.0 / 9, 11.0 / 24};
+static const double SHORT = 0.01; /* ... in units of the tolerance, below which the other stages are left out */
+
 static double scale_of(const Instance *in, int i, double a, double b)
 {
     double larger = fabs(a) > fabs(b) ? fabs(a) : fabs(b);
     return in->tolerance * (model.nominal[i] + larger);
+}
+
+/* to = x + h (weight[0] k[0] + weight[1] k[1] + ...) */
+static WIDE void combine(const Instance *in, double *to, const double *x, double h, const double *weight, int stages)
+{
+    int i, s;
+#ifdef WITH_VECTORS
+    for (i = 0; i < model.n_x; i += 4) {
+        Four sum = SAME(weight[0]) * FROM(in->k[0] + i);
+        for (s = 1; s < stages; s++)
+            sum += SAME(weight[s]) * FROM(in->k[s] + i);
+        TO(to + i) = FROM(x + i) + SAME(h) * sum;
+    }
+#else
+    for (i = 0; i < model.n_x; i++) {
+        double sum = weight[0] * in->k[0][i];
+        for (s = 1; s < stages; s++)
+            sum += weight[s] * in->k[s][i];
+        to[i] = x[i] + h * sum;
+    }
+#endif
+}
+
+/* The largest error of the step from x to in->trial in units of the tolerance, NaN if one is not finite, and the state
+ * that has it. */
+static WIDE double largest_error(Instance *in, const double *x, double h, const double *weight, int stages, int *worst)
+{
+    double error = 0;
+    int i, s;
+#ifdef WITH_VECTORS
+    const Four none = SAME(0.0), tolerance = SAME(in->tolerance);
+    for (i = 0; i < model.n_x; i += 4) {
+        Four sum = none, a = FROM(x + i), b = FROM(in->trial + i);
+        for (s = 0; s < stages; s++)
+            sum += SAME(weight[s]) * FROM(in->k[s] + i);
+        a = SIZE(a), b = SIZE(b);
+        TO(in->ratio + i) = SIZE(SAME(h) * sum) / (tolerance * (FROM(model.nominal + i) + PICK(a > b, a, b)));
+    }
+#else
+    for (i = 0; i < model.n_x; i++) {
+        double sum = 0;
+        for (s = 0; s < stages; s++)
+            sum += weight[s] * in->k[s][i];
+        in->ratio[i] = fabs(h * sum) / scale_of(in, i, x[i], in->trial[i]);
+    }
+#endif
+    for (i = 0; i < model.n_x && error == error; i++)
+        if (!(in->ratio[i] <= error)) {
+            error = in->ratio[i];
+            *worst = i;
+        }
+    return error;
 }
 
 /* First step size: one for which an explicit Euler step changes the states by about a hundredth of their scale. */
@@ -56,33 +113,24 @@ static double first_step(Instance *in, double t, const double *x, double remaini
 }
 
 /* Take one trial step from x with k[0] known; returns the error in units of the tolerance, NaN if a stage is not
- * finite, and the state with the largest error in *worst. */
-static double try_step(Instance *in, double t, double h, const double *x, int *worst)
+ * finite, and the state with the largest error in *worst.  Where *brief* allows it and four stages are more than enough,
+ * these are all; then *brief* stays. */
+static double try_step(Instance *in, double t, double h, const double *x, int *brief, int *worst)
 {
-    double error = 0;
-    int s, i, j;
+    double error;
+    int s;
     for (s = 1; s < 7; s++) {
-        for (i = 0; i < model.n_x; i++) {
-            double sum = 0;
-            for (j = 0; j < s; j++)
-                sum += A[s][j] * in->k[j][i];
-            in->trial[i] = x[i] + h * sum;
+        if (s == 4 && *brief) {
+            combine(in, in->trial, x, h, THIRD, 4);
+            error = largest_error(in, x, h, SHORT_ERROR, 4, worst);
+            if (error <= SHORT)
+                return error;
+            *brief = 0;
         }
+        combine(in, in->trial, x, h, A[s], s);
         evaluate(in, model.ode, t + C[s] * h, 0.0, in->trial, in->k[s]);
     }
-    for (i = 0; i < model.n_x; i++) {
-        double sum = 0, ratio;
-        for (s = 0; s < 7; s++)
-            sum += E[s] * in->k[s][i];
-        ratio = fabs(h * sum) / scale_of(in, i, x[i], in->trial[i]);
-        if (ratio > error || ratio != ratio) {
-            error = ratio;
-            *worst = i;
-        }
-        if (ratio != ratio)
-            break;
-    }
-    return error;
+    return largest_error(in, x, h, E, 7, worst);
 }
 
 /* Prepare the dense output of the step just taken from x to in->trial. */
@@ -109,8 +157,9 @@ static void dense_state(const Instance *in, double at, double *x)
         x[i] = in->dense[0][i] + at * (in->dense[1][i] + (1 - at) * (in->dense[2][i] + at * (in->dense[3][i] + (1 - at) * in->dense[4][i])));
 }
 
-/* Advance in->slot's states by one accepted step of at most *remaining*; gives the step's length. */
-static Status accepted_step(Instance *in, double t, double remaining, double *previous_error, double *taken)
+/* Find one accepted step of at most *remaining* from in->slot's states; gives its length, and by *brief* whether it has
+ * only four stages, and so neither a dense output nor the first stage of the next step. */
+static Status accepted_step(Instance *in, double t, double remaining, double *previous_error, int *brief, double *taken)
 {
     double *x = in->slot + model.x, h, error, factor;
     int rejected = 0, worst = 0, whole;
@@ -122,7 +171,7 @@ static Status accepted_step(Instance *in, double t, double remaining, double *pr
         whole = 1.01 * h >= remaining;
         if (whole)
             h = remaining;
-        error = try_step(in, t, h, x, &worst);
+        error = try_step(in, t, h, x, brief, &worst);
         if (error <= 1)
             break;
         rejected = 1;
@@ -133,14 +182,14 @@ static Status accepted_step(Instance *in, double t, double remaining, double *pr
         factor = error == error ? SAFETY / pow(error, EXPONENT) : SHRINK; /* error != error: a stage was not finite */
         h *= factor > SHRINK ? factor : SHRINK;
     }
-    factor = error > 0 ? SAFETY * pow(*previous_error, BETA) / pow(error, EXPONENT) : GROW;
+    factor = error > 0 && !*brief ? SAFETY * pow(*previous_error, BETA) / pow(error, EXPONENT) : GROW;
     factor = factor < SHRINK ? SHRINK : factor > GROW ? GROW : factor;
     if (rejected && factor > 1)
         factor = 1;
     /* a step cut short by the end of the communication step says nothing against the size it was cut from */
     if (!(whole && !rejected && h * factor < in->h_next))
         in->h_next = h * factor;
-    *previous_error = error > 1e-4 ? error : 1e-4;
+    *previous_error = error > 1e-4 && !*brief ? error : 1e-4;
     *taken = whole ? remaining : h;
     return STATUS_OK;
 }
@@ -157,22 +206,30 @@ static double meeting(double t, double begin)
 static Status integrate(Instance *in, double t, double stop, Ending *ending)
 {
     double *x = in->slot + model.x, *swap, previous_error = 1e-4, h = 0, at, last_event = t, begin = t;
-    int steps = 0, close_events = 0, announced, event;
+    int steps = 0, close_events = 0, announced, event, brief;
     char time[32], value[32];
     evaluate(in, model.ode, t, 0.0, x, in->k[0]);
     signs(in, t, x, in->before);
     while (t < stop) {
-        if (accepted_step(in, t, stop - t, &previous_error, &h) != STATUS_OK)
+        brief = 1;
+        if (accepted_step(in, t, stop - t, &previous_error, &brief, &h) != STATUS_OK)
             return STATUS_ERROR;
+        if (brief && crosses(in, t + h)) {
+            brief = 0;
+            if (accepted_step(in, t, stop - t, &previous_error, &brief, &h) != STATUS_OK)
+                return STATUS_ERROR;
+        }
         if (++steps > MAX_STEPS)
             return report(in, STATUS_ERROR, "the integrator took %d steps and is only at t = %s s, with %s = %s", MAX_STEPS,
                           number(time, sizeof time, t), model.labels[model.x], number(value, sizeof value, x[0]));
-        if (!event_between(in, t, h, &at)) {
+        if (brief || !event_between(in, t, h, &at)) {
             memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
             t = h == stop - t ? stop : t + h;
             swap = in->k[0]; /* the last stage is the first of the next step */
             in->k[0] = in->k[6];
             in->k[6] = swap;
+            if (brief && t < stop)
+                evaluate(in, model.ode, t, 0.0, x, in->k[0]);
             continue;
         }
         dense_state(in, at / h, x);
