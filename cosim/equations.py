@@ -61,6 +61,16 @@ class Equations:
         """Whether inputs that move within a step are seen there: not by a flow over the whole of it."""
         return self.flow is None or self.micro is not None
 
+    def deciding(self) -> tuple[bool, np.ndarray]:
+        """Return whether the indicators depend on states, parameters and tables alone, and on which states (n,)."""
+        reads = {"x": np.zeros(len(self.nominal), bool), "t": False, "u": False}
+        for f in (self.zero, self.where):
+            if f is not None:
+                for name in reads:
+                    depends = np.array(ca.DM(f.jac_sparsity(0, f.name_in().index(name)), 1)).any(axis=0)
+                    reads[name] = reads[name] | (depends if name == "x" else bool(depends.any()))
+        return not (reads["t"] or reads["u"]), reads["x"]
+
     def functions(self) -> dict[str, ca.Function]:
         """Return the functions that exist, by name."""
         return {name: f for name, f in vars(self).items() if isinstance(f, ca.Function)}

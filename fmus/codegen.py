@@ -80,6 +80,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
         for b in eq.tables
     ]
     period = -1 if eq.period is None else first["p"] + eq.period
+    alone, decides = eq.deciding()
     sizes = {
         "n_p": first["u"] - first["p"],
         "n_u": first["x"] - first["u"],
@@ -89,6 +90,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
         "n_w": sum(b.shape[0] * b.shape[1] for b in eq.tables),
         "n_keys": sum(b.shape[0] for b in eq.tables),
         "n_tables": len(eq.tables),
+        "of_states_alone": int(alone),
         "n_k": eq.once.numel_out() if eq.once else 0,
         "period": period,
         "micro": -1 if eq.micro is None else first["p"] + eq.micro,
@@ -97,7 +99,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
     }
     members = [f".identifier = {_quoted(identifier)}", f".token = {_quoted(token)}"]
     members += [f".{name} = {value}" for name, value in {**first, **sizes}.items()]
-    members += [f".{name} = {name}_of" for name in ("start", "nominal", "labels", "extent", "events", "announced")]
+    members += [f".{name} = {name}_of" for name in ("start", "nominal", "labels", "extent", "events", "announced", "decides")]
     members += [".tables = tables_of", *(f".{name} = {PREFIX}{name}" for name in functions)]
     return "\n".join(
         [
@@ -112,6 +114,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
             _array("unsigned", "extent_of", [str(n) for n in extent]),
             _array("char *const", "events_of", [_quoted(label) for label in events]),
             _array("unsigned char", "announced_of", [str(int(a)) for a in eq.announced]),
+            _array("unsigned char", "decides_of", [str(int(d)) for d in decides]),
             _array("TableLayout", "tables_of", tables, "{0}"),
             "static const Model model = {\n    " + ",\n    ".join(members) + "};",
             "",

@@ -1,11 +1,5 @@
 /* Directional derivatives of outputs and of the states' derivatives by inputs and states, all states held. */
 
-/* Number of scalars behind a value reference: the whole array in FMI 3.0, one in FMI 2.0. */
-static unsigned extent(unsigned reference)
-{
-    return FMI_VERSION == 2 ? 1 : reference < (unsigned)model.end ? model.extent[reference] : 0;
-}
-
 static Status derivative_along(Instance *in, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
                                size_t n_knowns, const double *seed, size_t n_seed, double *result, size_t n_result)
 {

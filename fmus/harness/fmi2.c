@@ -94,24 +94,30 @@ fmi2Status fmi2Reset(fmi2Component c)
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
 {
-    size_t i;
+    size_t i, next;
     ALLOWED(ANY_MODE);
-    for (i = 0; i < nvr; i++) {
-        const double *source = slot_read(in, vr[i], 1);
+    for (i = 0; i < nvr; i = next) {
+        unsigned n;
+        const double *source;
+        next = i + neighbours(vr + i, nvr - i, &n);
+        source = slot_read(in, vr[i], n);
         if (!source)
             return fmi2Error;
-        value[i] = *source;
+        memcpy(value + i, source, sizeof *value * n);
     }
     return fmi2OK;
 }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
 {
-    size_t i;
+    size_t i, next;
     ALLOWED(ANY_MODE);
-    for (i = 0; i < nvr; i++)
-        if (slot_write(in, vr[i], 1, value + i) != STATUS_OK)
+    for (i = 0; i < nvr; i = next) {
+        unsigned n;
+        next = i + neighbours(vr + i, nvr - i, &n);
+        if (slot_write(in, vr[i], n, value + i) != STATUS_OK)
             return fmi2Error;
+    }
     return fmi2OK;
 }
 

@@ -133,11 +133,13 @@ fmi3Status fmi3Reset(fmi3Instance instance)
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                           fmi3Float64 values[], size_t nValues)
 {
-    size_t i, used = 0;
+    size_t i, next, used = 0;
     ALLOWED(ANY_MODE);
-    for (i = 0; i < nValueReferences; i++) {
-        unsigned n = extent(valueReferences[i]);
-        const double *source = slot_read(in, valueReferences[i], n);
+    for (i = 0; i < nValueReferences; i = next) {
+        unsigned n;
+        const double *source;
+        next = i + neighbours(valueReferences + i, nValueReferences - i, &n);
+        source = slot_read(in, valueReferences[i], n);
         if (!source)
             return fmi3Error;
         if (used + n > nValues)
@@ -153,10 +155,11 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueR
 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                           const fmi3Float64 values[], size_t nValues)
 {
-    size_t i, used = 0;
+    size_t i, next, used = 0;
     ALLOWED(ANY_MODE);
-    for (i = 0; i < nValueReferences; i++) {
-        unsigned n = extent(valueReferences[i]);
+    for (i = 0; i < nValueReferences; i = next) {
+        unsigned n;
+        next = i + neighbours(valueReferences + i, nValueReferences - i, &n);
         if (used + n > nValues)
             break;
         if (slot_write(in, valueReferences[i], n, values + used) != STATUS_OK)

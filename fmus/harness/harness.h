@@ -42,6 +42,8 @@ typedef struct {
     const unsigned *extent;      /* scalars of the variable that begins in a slot, 0 inside one */
     const char *const *events;   /* names of the indicators */
     const unsigned char *announced; /* per indicator: does a step return early there */
+    const unsigned char *decides;   /* per state: does an indicator depend on it */
+    int of_states_alone;         /* whether no indicator depends on anything else but parameters and tables */
     const TableLayout *tables;
     Equation *once, *ode, *out, *sync, *flow, *zero, *jump, *where, *jvp; /* NULL where there is none */
     int n_iw, n_work;            /* work space of the equations */
@@ -64,9 +66,10 @@ typedef struct Instance Instance;
 struct Instance {
     double *slot;          /* values; slot[0] is the time */
     Table *tables;
-    uint64_t tables_hash;
+    uint64_t token_hash, tables_hash;
     Mode mode;
     int outputs_valid, derivatives_valid;
+    int signs_known;       /* `before` holds the signs of the indicators as they are */
     double tolerance;      /* relative; absolute is this times the state's nominal value */
     double h_next;         /* step size the integrator would try next, 0 before its first step */
 

@@ -57,6 +57,7 @@ static Instance *instance_new(const char *name)
         return NULL;
     }
     strcpy(in->name, name);
+    in->token_hash = hash_token();
     lay_out(in);
     return in;
 }
@@ -84,6 +85,7 @@ static void instance_free(Instance *in)
 static void forget(Instance *in)
 {
     in->outputs_valid = in->derivatives_valid = 0;
+    in->signs_known = 0;
     in->constants_for[0] = in->constants_for[1] = NAN;
 }
 
@@ -134,6 +136,28 @@ static Status allowed(Instance *in, int modes, const char *function)
     if (in->mode & modes)
         return STATUS_OK;
     return report(in, STATUS_ERROR, "%s was called while the component %s, where it is not allowed", function, mode_name(in->mode));
+}
+
+/* Number of scalars behind a value reference: the whole array in FMI 3.0, one in FMI 2.0. */
+static unsigned extent(unsigned reference)
+{
+    return FMI_VERSION == 2 ? 1 : reference < (unsigned)model.end ? model.extent[reference] : 0;
+}
+
+/* How many of n variables lie behind each other, inputs or outputs, from the first on; *values is how many scalars these
+ * have.  They can be read and written at once. */
+static size_t neighbours(const unsigned *references, size_t n, unsigned *values)
+{
+    unsigned first = references[0], next = first + extent(first), end = 0;
+    size_t i;
+    if (first >= (unsigned)model.u && first < (unsigned)model.x)
+        end = (unsigned)model.x;
+    else if (first >= (unsigned)model.y && first < (unsigned)model.dx)
+        end = (unsigned)model.dx;
+    for (i = 1; i < n && next < end && references[i] == next; i++)
+        next += extent(next);
+    *values = next - first;
+    return i;
 }
 
 /* Where n values of a variable are, computed first if they have to be; NULL after reporting an unknown reference. */

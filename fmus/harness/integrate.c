@@ -209,7 +209,9 @@ static Status integrate(Instance *in, double t, double stop, Ending *ending)
     int steps = 0, close_events = 0, announced, event, brief;
     char time[32], value[32];
     evaluate(in, model.ode, t, 0.0, x, in->k[0]);
-    signs(in, t, x, in->before);
+    if (!in->signs_known)
+        signs(in, t, x, in->before);
+    in->signs_known = 0;
     while (t < stop) {
         brief = 1;
         if (accepted_step(in, t, stop - t, &previous_error, &brief, &h) != STATUS_OK)
@@ -256,5 +258,6 @@ static Status integrate(Instance *in, double t, double stop, Ending *ending)
         signs(in, t, x, in->before);
         previous_error = 1e-4;
     }
+    in->signs_known = model.of_states_alone; /* no sign has changed since they were looked at */
     return STATUS_OK;
 }

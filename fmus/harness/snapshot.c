@@ -33,7 +33,7 @@ static void snapshot_write(const Instance *in, unsigned char *bytes)
 {
     Head head;
     int i;
-    head.token = hash_token();
+    head.token = in->token_hash;
     head.tables = in->tables_hash;
     head.h_next = in->h_next;
     head.tolerance = in->tolerance;
@@ -53,7 +53,7 @@ static Status snapshot_read(Instance *in, const unsigned char *bytes)
     Head head;
     int i;
     memcpy(&head, bytes, sizeof head);
-    if (head.token != hash_token())
+    if (head.token != in->token_hash)
         return report(in, STATUS_ERROR, "a state was given that another FMU wrote");
     if (head.tables != in->tables_hash)
         return report(in, STATUS_ERROR, "a state was given that was saved with other tables than this instance has");
@@ -69,7 +69,7 @@ static Status snapshot_read(Instance *in, const unsigned char *bytes)
     if (memcmp(in->slot + model.p, bytes + sizeof(double) * (size_t)model.p, sizeof(double) * (size_t)model.n_p))
         forget(in);
     memcpy(in->slot, bytes, sizeof(double) * n_saved());
-    in->outputs_valid = in->derivatives_valid = 0;
+    in->outputs_valid = in->derivatives_valid = in->signs_known = 0;
     return STATUS_OK;
 }
 

@@ -27,7 +27,11 @@ static Status advance(Instance *in, double t, double stop, Ending *ending)
 static Status synchronise(Instance *in, double t, double to)
 {
     double *x = in->slot + model.x;
+    int i;
     evaluate(in, model.sync, t, snapped(to - t), x, in->trial);
+    for (i = 0; i < model.n_x; i++)
+        if (model.decides[i] && in->trial[i] != x[i])
+            in->signs_known = 0;
     memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
     return check_finite(in, x, model.x, model.n_x, t, "state");
 }

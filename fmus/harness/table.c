@@ -113,7 +113,7 @@ static Status table_set(Instance *in, int table, const char *text)
     target->rows = rows;
     target->n_rows = n_rows;
     in->tables_hash = hash_tables(in);
-    in->outputs_valid = in->derivatives_valid = 0;
+    in->outputs_valid = in->derivatives_valid = in->signs_known = 0;
     for (i = 0; i < model.n_keys; i++)
         in->hint[i] = 0;
     return STATUS_OK;
