@@ -91,6 +91,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
         "n_keys": sum(b.shape[0] for b in eq.tables),
         "n_tables": len(eq.tables),
         "of_states_alone": int(alone),
+        "sync_looks_up": int(eq.sync is not None and eq.sync.jac_sparsity(0, 5).nnz() > 0),
         "n_k": eq.once.numel_out() if eq.once else 0,
         "period": period,
         "micro": -1 if eq.micro is None else first["p"] + eq.micro,

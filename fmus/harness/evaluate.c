@@ -43,7 +43,7 @@ static void call(Instance *in, Equation *f, double t, double h, const double *x,
     arg[4] = in->slot + model.p;
     arg[5] = in->rows;
     arg[6] = model.once ? constants(in, h) : NULL;
-    if (model.where) {
+    if (model.where && (f != model.sync || model.sync_looks_up)) {
         res[0] = in->keys;
         model.where(arg, res, in->iw, in->work, 0);
         table_rows(in);

@@ -43,6 +43,7 @@ typedef struct {
     const char *const *events;   /* names of the indicators */
     const unsigned char *announced; /* per indicator: does a step return early there */
     const unsigned char *decides;   /* per state: does an indicator depend on it */
+    int sync_looks_up;           /* whether sync reads the tables */
     int of_states_alone;         /* whether no indicator depends on anything else but parameters and tables */
     const TableLayout *tables;
     Equation *once, *ode, *out, *sync, *flow, *zero, *jump, *where, *jvp; /* NULL where there is none */
@@ -72,12 +73,13 @@ struct Instance {
     int signs_known;       /* `before` holds the signs of the indicators as they are */
     double tolerance;      /* relative; absolute is this times the state's nominal value */
     double h_next;         /* step size the integrator would try next, 0 before its first step */
+    int smooth;            /* whether three stages are likely to be enough for the next one */
 
     /* work space, allocated once */
     double *memory;        /* the block the pointers below share */
     double *rows, *keys;   /* looked-up rows of the tables, and the keys */
     double *constants[2], constants_for[2]; /* at step length 0 and at another one, NaN until computed */
-    int *hint;             /* per key: where its row was last found */
+    int *hint;             /* per key: which row stands there, -1: none does */
     double *k[7], *trial, *dense[5], *probe; /* stages, trial state, dense output: coefficients and a state on it */
     double *ratio;         /* estimated errors of a step over the tolerated ones */
     double *indicator, *crossed, *seed, *tangent, *work;

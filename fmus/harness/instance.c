@@ -97,6 +97,7 @@ static Status instance_reset(Instance *in)
     memcpy(in->slot + 1, model.start, sizeof(double) * (size_t)(model.n_p + model.n_u + model.n_x));
     in->tolerance = 1e-8;
     in->h_next = 0;
+    in->smooth = 0;
     in->continuing = 0;
     in->n_slopes = 0;
     forget(in);

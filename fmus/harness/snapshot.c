@@ -4,7 +4,7 @@
 typedef struct {
     uint64_t token, tables; /* whose snapshot it is */
     double h_next, tolerance, since;
-    int64_t mode, continuing, n_slopes;
+    int64_t mode, continuing, n_slopes, smooth;
 } Head;
 
 enum { SLOPES = FMI_VERSION == 2 ? 2 : 0 }; /* derivatives of the inputs that are kept here, and not by the importer */
@@ -41,6 +41,7 @@ static void snapshot_write(const Instance *in, unsigned char *bytes)
     head.continuing = in->continuing;
     head.since = in->since;
     head.n_slopes = in->n_slopes;
+    head.smooth = in->smooth;
     memcpy(bytes, &head, sizeof head);
     bytes += sizeof head;
     for (i = 0; i < SLOPES; i++, bytes += sizeof(double) * (size_t)model.n_u)
@@ -63,6 +64,7 @@ static Status snapshot_read(Instance *in, const unsigned char *bytes)
     in->continuing = (int)head.continuing;
     in->since = head.since;
     in->n_slopes = (int)head.n_slopes;
+    in->smooth = (int)head.smooth;
     bytes += sizeof head;
     for (i = 0; i < SLOPES; i++, bytes += sizeof(double) * (size_t)model.n_u)
         memcpy(in->slope[i], bytes, sizeof(double) * (size_t)model.n_u);

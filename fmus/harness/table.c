@@ -115,7 +115,7 @@ static Status table_set(Instance *in, int table, const char *text)
     in->tables_hash = hash_tables(in);
     in->outputs_valid = in->derivatives_valid = in->signs_known = 0;
     for (i = 0; i < model.n_keys; i++)
-        in->hint[i] = 0;
+        in->hint[i] = -1;
     return STATUS_OK;
 }
 
@@ -123,7 +123,7 @@ static Status table_set(Instance *in, int table, const char *text)
 static int find_row(const double *rows, int n_rows, int columns, double key, int hint)
 {
     int low = 0, high = n_rows;
-    if (!(key < rows[hint * columns]) && (hint + 1 == n_rows || key < rows[(hint + 1) * columns]))
+    if (hint >= 0 && !(key < rows[hint * columns]) && (hint + 1 == n_rows || key < rows[(hint + 1) * columns]))
         return hint;
     while (high - low > 1) {
         int middle = low + (high - low) / 2;
@@ -135,7 +135,7 @@ static int find_row(const double *rows, int n_rows, int columns, double key, int
     return low;
 }
 
-/* Look up every row by in->keys. */
+/* Look up every row by in->keys; what stands there since the last time stays. */
 static void table_rows(Instance *in)
 {
     int i, j, key = 0;
@@ -144,8 +144,10 @@ static void table_rows(Instance *in)
         const Table *table = &in->tables[i];
         int columns = model.tables[i].columns;
         for (j = 0; j < model.tables[i].keys; j++, key++, target += columns) {
-            in->hint[key] = find_row(table->rows, table->n_rows, columns, in->keys[key], in->hint[key]);
-            memcpy(target, table->rows + in->hint[key] * columns, sizeof *target * (size_t)columns);
+            int row = find_row(table->rows, table->n_rows, columns, in->keys[key], in->hint[key]);
+            if (row != in->hint[key])
+                memcpy(target, table->rows + row * columns, sizeof *target * (size_t)columns);
+            in->hint[key] = row;
         }
     }
 }
