@@ -64,6 +64,6 @@ static Status jump(Instance *in, double t, int *event, int *announced)
     if (!model.jump)
         return STATUS_OK;
     evaluate(in, model.jump, t, 0.0, x, in->trial);
-    memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
+    accept(in);
     return check_finite(in, x, model.x, model.n_x, t, "state");
 }

@@ -117,6 +117,7 @@ static void table_rows(Instance *in);
 
 /* evaluate.c */
 static void evaluate(Instance *in, Equation *f, double t, double h, const double *x, double *result);
+static void accept(Instance *in);
 static Status check_finite(Instance *in, const double *values, int first_slot, int n, double t, const char *what);
 static void refresh_outputs(Instance *in);
 static void refresh_derivatives(Instance *in);

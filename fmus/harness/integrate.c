@@ -240,7 +240,7 @@ static Status integrate(Instance *in, double t, double stop, Ending *ending)
             return report(in, STATUS_ERROR, "the integrator took %d steps and is only at t = %s s, with %s = %s", MAX_STEPS,
                           number(time, sizeof time, t), model.labels[model.x], number(value, sizeof value, x[0]));
         if (brief || !event_between(in, t, h, &at)) {
-            memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
+            accept(in);
             t = h == stop - t ? stop : t + h;
             swap = in->k[0]; /* the last stage is the first of the next step */
             in->k[0] = in->k[6];
@@ -251,7 +251,7 @@ static Status integrate(Instance *in, double t, double stop, Ending *ending)
         }
         dense_state(in, at / h, x);
         if (at == h)
-            memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
+            accept(in);
         t = at == stop - t ? stop : t + at;
         if (jump(in, t, &event, &announced) != STATUS_OK)
             return STATUS_ERROR;

@@ -17,7 +17,7 @@ static Status advance(Instance *in, double t, double stop, Ending *ending)
         h = snapped(stop - t) / n; /* the same in every step, so that constants stay */
         for (i = 0; i < n; i++) {
             evaluate(in, model.flow, t + i * h, h, x, in->trial);
-            memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
+            accept(in);
         }
         return STATUS_OK;
     }
@@ -29,10 +29,9 @@ static Status synchronise(Instance *in, double t, double to)
     double *x = in->slot + model.x;
     int i;
     evaluate(in, model.sync, t, snapped(to - t), x, in->trial);
-    for (i = 0; i < model.n_x; i++)
-        if (model.decides[i] && in->trial[i] != x[i])
-            in->signs_known = 0;
-    memcpy(x, in->trial, sizeof *x * (size_t)model.n_x);
+    for (i = 0; i < model.n_x && in->signs_known; i++)
+        in->signs_known = !model.decides[i] || in->trial[i] == x[i];
+    accept(in);
     return check_finite(in, x, model.x, model.n_x, t, "state");
 }
 
