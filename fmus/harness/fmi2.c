@@ -99,7 +99,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
     for (i = 0; i < nvr; i = next) {
         unsigned n;
         const double *source;
-        next = i + neighbours(vr + i, nvr - i, &n);
+        next = i + neighbours(in, vr + i, nvr - i, &n);
         source = slot_read(in, vr[i], n);
         if (!source)
             return fmi2Error;
@@ -114,7 +114,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
     ALLOWED(ANY_MODE);
     for (i = 0; i < nvr; i = next) {
         unsigned n;
-        next = i + neighbours(vr + i, nvr - i, &n);
+        next = i + neighbours(in, vr + i, nvr - i, &n);
         if (slot_write(in, vr[i], n, value + i) != STATUS_OK)
             return fmi2Error;
     }

@@ -138,7 +138,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueR
     for (i = 0; i < nValueReferences; i = next) {
         unsigned n;
         const double *source;
-        next = i + neighbours(valueReferences + i, nValueReferences - i, &n);
+        next = i + neighbours(in, valueReferences + i, nValueReferences - i, &n);
         source = slot_read(in, valueReferences[i], n);
         if (!source)
             return fmi3Error;
@@ -159,7 +159,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueR
     ALLOWED(ANY_MODE);
     for (i = 0; i < nValueReferences; i = next) {
         unsigned n;
-        next = i + neighbours(valueReferences + i, nValueReferences - i, &n);
+        next = i + neighbours(in, valueReferences + i, nValueReferences - i, &n);
         if (used + n > nValues)
             break;
         if (slot_write(in, valueReferences[i], n, values + used) != STATUS_OK)

@@ -63,6 +63,12 @@ typedef enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT_MODE = 4, STEP_MODE =
 
 static const double TICKS = 1e9; /* per second: time is a whole number of nanoseconds where it can be */
 
+/* Variables that lie behind each other: their references, and how many scalars they have. */
+typedef struct {
+    size_t n;
+    unsigned values, references[128];
+} Run;
+
 typedef struct Instance Instance;
 struct Instance {
     double *slot;          /* values; slot[0] is the time */
@@ -91,6 +97,8 @@ struct Instance {
     double since;          /* where the step began */
     void (*ask)(Instance *in, double t); /* has the importer set the inputs to what they are at t; NULL: they are held */
     void (*update)(void);  /* ... by calling this, in FMI 3.0 */
+
+    Run last[2];           /* of inputs and of outputs, those that were asked for last */
 
     int early_return, event_mode;
     int continuing;        /* the last step ended early and no input was set since: the next one is its rest */

@@ -146,18 +146,27 @@ static unsigned extent(unsigned reference)
 }
 
 /* How many of n variables lie behind each other, inputs or outputs, from the first on; *values is how many scalars these
- * have.  They can be read and written at once. */
-static size_t neighbours(const unsigned *references, size_t n, unsigned *values)
+ * have.  They can be read and written at once.  Mostly these are all inputs or all outputs, as the time before. */
+static size_t neighbours(Instance *in, const unsigned *references, size_t n, unsigned *values)
 {
     unsigned first = references[0], next = first + extent(first), end = 0;
+    int outputs = first >= (unsigned)model.y;
+    Run *last = &in->last[outputs];
     size_t i;
+    if (last->n && last->n <= n && !memcmp(references, last->references, sizeof *references * last->n)) {
+        *values = last->values;
+        return last->n;
+    }
     if (first >= (unsigned)model.u && first < (unsigned)model.x)
         end = (unsigned)model.x;
-    else if (first >= (unsigned)model.y && first < (unsigned)model.dx)
+    else if (outputs && first < (unsigned)model.dx)
         end = (unsigned)model.dx;
     for (i = 1; i < n && next < end && references[i] == next; i++)
         next += extent(next);
     *values = next - first;
+    last->n = i <= sizeof last->references / sizeof *references ? i : 0;
+    last->values = *values;
+    memcpy(last->references, references, sizeof *references * last->n);
     return i;
 }
 
