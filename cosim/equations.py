@@ -63,13 +63,12 @@ class Equations:
 
     def deciding(self) -> tuple[bool, np.ndarray]:
         """Return whether the indicators depend on states, parameters and tables alone, and on which states (n,)."""
-        reads = {"x": np.zeros(len(self.nominal), bool), "t": False, "u": False}
+        alone, states = True, np.zeros(len(self.nominal), bool)
         for f in (self.zero, self.where):
             if f is not None:
-                for name in reads:
-                    depends = np.array(ca.DM(f.jac_sparsity(0, f.name_in().index(name)), 1)).any(axis=0)
-                    reads[name] = reads[name] | (depends if name == "x" else bool(depends.any()))
-        return not (reads["t"] or reads["u"]), reads["x"]
+                alone = alone and not any(f.jac_sparsity(0, f.name_in().index(name)).nnz() for name in ("t", "u"))
+                states |= np.array(ca.DM(f.jac_sparsity(0, f.name_in().index("x")), 1)).any(axis=0)
+        return alone, states
 
     def functions(self) -> dict[str, ca.Function]:
         """Return the functions that exist, by name."""

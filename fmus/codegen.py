@@ -48,11 +48,9 @@ def equations_source(layout: Layout) -> str:
         source = Path(folder, "equations.c").read_text()
     begin, end = source.index(f"/* {PREFIX}jvp:"), source.index(f"CASADI_SYMBOL_EXPORT int {PREFIX}jvp(")
     source = "".join((source[:begin], _UNHURRIED, source[begin:end], _HURRIED, source[end:]))
-    vectors = {f.name(): text for f in exported if f.name() != PREFIX + "jvp" and (text := packed(f, "packed_" + f.name()))}
-    if not vectors:
-        return source
-    return "".join((source, "#ifdef WITH_VECTORS\n",
-                    *(f"{text}#define {name} packed_{name}\n" for name, text in vectors.items()), "#endif\n"))  # fmt: skip
+    found = ((f.name(), packed(f, f"packed_{f.name()}")) for f in exported if f.name() != f"{PREFIX}jvp")
+    vectors = [f"{text}#define {name} packed_{name}\n" for name, text in found if text is not None]
+    return "".join((source, "#ifdef WITH_VECTORS\n", *vectors, "#endif\n"))
 
 
 def _exported(function: ca.Function, name: str) -> ca.Function:
@@ -81,6 +79,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
     ]
     period = -1 if eq.period is None else first["p"] + eq.period
     alone, decides = eq.deciding()
+    filling = [1.0] * (-len(eq.nominal) % LANES)  # up to whole vectors
     sizes = {
         "n_p": first["u"] - first["p"],
         "n_u": first["x"] - first["u"],
@@ -100,7 +99,8 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
     }
     members = [f".identifier = {_quoted(identifier)}", f".token = {_quoted(token)}"]
     members += [f".{name} = {value}" for name, value in {**first, **sizes}.items()]
-    members += [f".{name} = {name}_of" for name in ("start", "nominal", "labels", "extent", "events", "announced", "decides")]
+    arrays = ("start", "nominal", "labels", "extent", "events", "announced", "decides")
+    members += [f".{name} = {name}_of" for name in arrays]
     members += [".tables = tables_of", *(f".{name} = {PREFIX}{name}" for name in functions)]
     return "\n".join(
         [
@@ -110,7 +110,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
             f"#define SZ_RES {max(f.sz_res() for f in functions.values())}",
             _INCLUDE_EQUATIONS,
             _array("double", "start_of", [repr(float(v)) for v in start]),
-            _array("double", "nominal_of", [repr(float(v)) for v in (*eq.nominal, *[1.0] * (-len(eq.nominal) % LANES))]),
+            _array("double", "nominal_of", [repr(float(v)) for v in (*eq.nominal, *filling)]),
             _array("char *const", "labels_of", [_quoted(label) for label in layout.labels()]),
             _array("unsigned", "extent_of", [str(n) for n in extent]),
             _array("char *const", "events_of", [_quoted(label) for label in events]),

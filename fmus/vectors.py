@@ -96,6 +96,7 @@ def _read(function: ca.Function) -> _Computation | None:
     found, at = _Computation(), dict[int, int]()  # which value a place of CasADi's work vector holds
     shapes: dict[tuple[object, ...], int] = {}
     values = found.values
+    key: tuple[object, ...]
     for i in range(function.n_instructions()):
         op, ins, outs = function.instruction_id(i), function.instruction_input(i), function.instruction_output(i)
         if op == ca.OP_OUTPUT:

@@ -19,7 +19,7 @@ typedef long long Mask __attribute__((vector_size(32)));
 
 /* A function with vectors: the same bits with and without the wide registers of newer processors, which is chosen when
  * the library is loaded. */
-#if defined(WITH_VECTORS) && defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
+#if defined(WITH_VECTORS) && !defined(WITHOUT_WIDE) && defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 #define WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define WIDE

@@ -13,10 +13,16 @@ import pytest
 
 from cosim.compiled.build import compiler
 from fmus.compile import MATHS
-from fmus.vectors import PREAMBLE, packed
+from fmus.package import HARNESS
+from fmus.vectors import packed
 
 x = ca.SX.sym("x", 64)
-INCLUDED = "#include <math.h>\n#define CASADI_SYMBOL_EXPORT\n"
+# what the FMU's own sources say of fmax and fmin: CasADi's let a number win over a NaN
+HEAD = """\
+#include <math.h>
+#define fmax(x, y) ((x) > (y) ? (x) : (y))
+#define fmin(x, y) ((x) < (y) ? (x) : (y))
+"""
 
 
 def searches() -> Any:
@@ -70,17 +76,13 @@ def test_vectors_compute_the_same_bits(odd: float | None, tmp_path: Path) -> Non
     generator = ca.CodeGenerator("f.c", {"with_header": False})
     generator.add(f)
     generator.generate(f"{tmp_path}/")
-    # what the FMU's own sources say of fmax and fmin: CasADi's let a number win over a NaN
-    larger = "#define fmax(x, y) ((x) > (y) ? (x) : (y))\n#define fmin(x, y) ((x) < (y) ? (x) : (y))\n"
-    plain = f"#include <math.h>\n{larger}" + (tmp_path / "f.c").read_text()
     vectors = packed(f, "four")
     assert vectors is not None
-    called = vectors + "int f(const double **a, double **r, long long *iw, double *w) { return four(a, r, iw, w, 0); }\n"
-    ours = f"#include <math.h>\n{larger}{PREAMBLE}{called}"
-    wanted = np.frombuffer(result(plain, tmp_path / "plain", 5, given))
-    for name, flags in {"chosen": (), "narrow": ("-DWIDE=",)}.items():
-        text = ours.replace("#define WIDE __attr", "#define UNUSED __attr") if name == "narrow" else ours
-        found = np.frombuffer(result(text, tmp_path / name, 5, given, *flags))
+    call = "int f(const double **a, double **r, long long *iw, double *w) { return four(a, r, iw, w, 0); }\n"
+    ours = f'{HEAD}#include "vectors.h"\n{vectors}{call}'
+    wanted = np.frombuffer(result(HEAD + (tmp_path / "f.c").read_text(), tmp_path / "plain", 5, given))
+    for name, flag in {"chosen": "-DWITH_WIDE", "narrow": "-DWITHOUT_WIDE"}.items():
+        found = np.frombuffer(result(ours, tmp_path / name, 5, given, f"-I{HARNESS}", flag))
         np.testing.assert_array_equal(np.isnan(found), np.isnan(wanted))
         real = ~np.isnan(wanted)
         assert found[real].tobytes() == wanted[real].tobytes()
