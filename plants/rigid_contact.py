@@ -24,7 +24,7 @@ import casadi as ca
 from cosim import input, parameter, state
 
 from .lcp import solve_lcp
-from .wheels import Wheels, asked_aside, friction, slowest_aside
+from .wheels import Wheels, asked_aside, cornering, friction, slowest_aside
 
 _RESTING = 2  # an approach no faster than this many steps of free fall is no impact: a contact at rest does not chatter
 _NOTHING = 1e-30  # J, keeps a quotient of zeros at zero
@@ -68,10 +68,11 @@ class RigidContact(Wheels):
         size = ca.mmax(ca.fabs(s.P))
         eps = ca.fmax(1 / (s.k_split * h**2), _SPLIT * size)
         compliant = s.P + eps * ca.SX.eye(4)
+        stiff = cornering(s, slowest_aside(s))
 
         def pushed(F_n: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
             """Return the gap rates that friction under *F_n* and all but the ground leave, and that friction."""
-            traction, lateral = friction(s, F_n, slowest_aside(s), asked_aside(s))
+            traction, lateral = friction(s, F_n, stiff, asked_aside(s))
             other = s.U @ traction + s.V @ (lateral - s.across)
             return s.gap_rate + h * (s.b_free + other), traction, lateral
 

@@ -18,7 +18,7 @@ import casadi as ca
 
 from cosim import event, parameter, state, structural
 
-from .wheels import Wheels, asked_aside, friction, slowest_aside
+from .wheels import Wheels, asked_aside, cornering, friction, slowest_aside
 
 
 class WheelDeformation(Wheels):
@@ -44,7 +44,7 @@ class WheelDeformation(Wheels):
     traction_sum = state([0.0] * 4, "N.s", "traction impulse since the step began", nominal=0.1)
     lateral_sum = state([0.0] * 4, "N.s", "lateral impulse since the step began", nominal=0.1)
     elapsed = state(0.0, "s", "time since the step began")
-    slowest = state([0.0] * 4, "m/s", "speed that a wheel's slip angle is taken at, at least")
+    stiff = state([0.0] * 4, "N", "lateral force that sideslip asks for, held over the step")
     lost = state(0.0, "J", "energy dissipated by deformation since the start")
     slid = state(0.0, "J", "energy dissipated by sideslip since the start")
 
@@ -54,12 +54,12 @@ class WheelDeformation(Wheels):
         none = ca.SX.zeros(4)
         return {
             "z": s.gap, "z_rate": s.gap_rate, "elapsed": 0,
-            "normal_sum": none, "traction_sum": none, "lateral_sum": none, "slowest": slowest_aside(s),
+            "normal_sum": none, "traction_sum": none, "lateral_sum": none, "stiff": cornering(s, slowest_aside(s)),
         }  # fmt: skip
 
     def derivatives(s: Any) -> dict[str, Any]:
         F = _normal_force(s)
-        traction, lateral = friction(s, F, s.slowest, asked_aside(s))
+        traction, lateral = friction(s, F, s.stiff, asked_aside(s))
         stored_rate = s.k_w * ca.fmin(s.z, 0) * s.z_rate
         return {
             "z": s.z_rate,

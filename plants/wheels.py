@@ -69,13 +69,22 @@ def asked_aside(s: Any) -> Any:
     return s.lateral_demand if s.sideslip == "demand" else None
 
 
-def friction(s: Any, F_n: ca.SX, least_speed: Any = 0, lateral_demand: Any = None) -> tuple[ca.SX, ca.SX]:
+def cornering(s: Any, least_speed: Any = 0) -> Any:
+    """Return S, the lateral force (4, N) that sideslip asks for by the stiffness of the tyres, against the velocity.
+
+    Reads ``contact_velocity``, ``C_alpha`` and ``v_min``.  A wheel slower than *least_speed* (4, m/s) has the slip
+    angle of one at that speed.
+    """
+    along, across = s.contact_velocity[:, 0], s.contact_velocity[:, 1]
+    return s.C_alpha * ca.atan2(across, ca.fmax(least_speed, ca.sqrt(along**2 + s.v_min**2)))
+
+
+def friction(s: Any, F_n: ca.SX, stiff: Any, lateral_demand: Any = None) -> tuple[ca.SX, ca.SX]:
     """Return traction and lateral force (4 each) under the normal forces *F_n*: first the demand, then sideslip.
 
-    Reads ``traction_demand``, ``contact_velocity``, ``mu``, ``C_alpha`` and ``v_min``.  The lateral force approaches
-    what the traction leaves of the friction ellipse smoothly and stays inside it.  A wheel slower than *least_speed*
-    (4, m/s) has the slip angle of one at that speed.  A *lateral_demand* (4, N) takes the place of sideslip, cut at the
-    ellipse.
+    Reads ``traction_demand`` and ``mu``.  The lateral force approaches what the traction leaves of the friction ellipse
+    smoothly and stays inside it; *stiff* (4, N) is `cornering`.  A *lateral_demand* (4, N) takes the place of sideslip,
+    cut at the ellipse.
     """
     limit = s.mu * F_n
     traction = ca.fmax(-limit, ca.fmin(limit, s.traction_demand))
@@ -83,6 +92,4 @@ def friction(s: Any, F_n: ca.SX, least_speed: Any = 0, lateral_demand: Any = Non
     room = left / ca.sqrt(left + _SMALL**2)
     if lateral_demand is not None:
         return traction, ca.fmax(-room, ca.fmin(room, lateral_demand))
-    along, across = s.contact_velocity[:, 0], s.contact_velocity[:, 1]
-    stiff = s.C_alpha * ca.atan2(across, ca.fmax(least_speed, ca.sqrt(along**2 + s.v_min**2)))
     return traction, -stiff * room / ca.sqrt(room**2 + stiff**2 + _SMALL**2)

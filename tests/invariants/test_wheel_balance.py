@@ -9,7 +9,7 @@ import pytest
 from cosim.equations import Namespace
 from cosim.twin import PythonInstance
 from plants.wheel_deformation import WheelDeformation
-from plants.wheels import friction
+from plants.wheels import cornering, friction
 
 NS = 1_000_000_000
 STEP = 1_000_000  # ns
@@ -97,7 +97,8 @@ def test_friction_is_inside_the_ellipse_at_every_load() -> None:
     names = {"traction_demand": (4, 1), "contact_velocity": (4, 2), "mu": (1, 1), "C_alpha": (1, 1), "v_min": (1, 1)}
     symbols = {n: ca.SX.sym(n, *shape) for n, shape in names.items()}
     load = ca.SX.sym("load", 4)
-    forces = friction(Namespace(**symbols), load)
+    given = Namespace(**symbols)
+    forces = friction(given, load, cornering(given))
     slope = ca.jacobian(ca.vertcat(*forces), ca.vertcat(load, ca.vec(symbols["contact_velocity"])))
     evaluate = ca.Function("friction", [load, *symbols.values()], [*forces, slope])
     rng = np.random.default_rng(7)
