@@ -16,9 +16,10 @@ import numpy as np
 
 from .clock import NS, seconds, tick_at_or_after
 from .component import Component, table_rows, table_text
-from .equations import Block, Equations
+from .equations import Equations
 from .errors import StepError, WiringError
 from .instance import Advance, Capabilities, Instance
+from .symbols import Block
 
 AFTER_EVENT = 1e-6  # s, the first step after an event
 

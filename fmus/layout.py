@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from cosim import Component, Variable
-from cosim.equations import Block
+from cosim.symbols import Block
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 import casadi as ca
 
 from cosim import event, input, output, parameter
-from cosim.equations import Namespace
+from cosim.symbols import Namespace
 
 from .rigid_body import RigidBody
 

@@ -47,9 +47,10 @@ def walk(instance: Instance, begin: int, end: int, step: int) -> None:
 @pytest.mark.parametrize("step", [10_000, 100_000, 1_000_000, 20_000_000])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_the_error_follows_the_tolerance_whatever_the_step(step: int, tolerance: float) -> None:
-    """No step of any kind adds more than the tolerance, and of a short one it is a hundredth that its second order
-    lacks; its third lacks w h / 4 of that.  A second of steps of h so adds less than w tol / 400 <= tol / 100, a
-    thousand times that where the others do their work, which the tolerance controls as without."""
+    """A short step leaves a hundredth of the tolerance to its second order, and less than w h of that to its third.
+
+    In a second of such steps that adds up to w / 100 of the tolerance; of others there are some ten, as in Python.
+    """
     instance = ready(Pendulum(), tolerance)
     walk(instance, 0, S, step)
     assert abs(instance.get("y") - cos(3.0)) < 100 * tolerance

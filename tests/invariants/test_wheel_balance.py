@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from cosim.equations import Namespace
+from cosim.symbols import Namespace
 from cosim.twin import PythonInstance
 from plants.wheel_deformation import WheelDeformation
 from plants.wheels import cornering, friction
