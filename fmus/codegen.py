@@ -40,7 +40,10 @@ def equations_source(layout: Layout) -> str:
     """Return the C of the component's equation functions."""
     options = {"with_header": False, "main": False, "mex": False, "with_mem": False}
     generator = ca.CodeGenerator("equations.c", options)
-    exported = [_exported(f, PREFIX + name) for name, f in layout.component.equations.functions().items()]
+    functions = layout.component.equations.functions()
+    if "zero" in functions:  # what is shown at the end of a step comes with the indicators there: much is common to both
+        functions["out"] = _together(functions["out"], functions["zero"])
+    exported = [_exported(f, PREFIX + name) for name, f in functions.items()]
     for function in exported:
         generator.add(function)
     with tempfile.TemporaryDirectory() as folder:
@@ -51,6 +54,12 @@ def equations_source(layout: Layout) -> str:
     found = ((f.name(), packed(f, f"packed_{f.name()}")) for f in exported if f.name() != f"{PREFIX}jvp")
     vectors = [f"{text}#define {name} packed_{name}\n" for name, text in found if text is not None]
     return "".join((source, "#ifdef WITH_VECTORS\n", *vectors, "#endif\n"))
+
+
+def _together(one: ca.Function, other: ca.Function) -> ca.Function:
+    """Return the function of both results, one behind the other."""
+    arguments = one.sx_in()
+    return ca.Function(one.name(), arguments, [ca.vertcat(one(*arguments), other(*arguments))])
 
 
 def _exported(function: ca.Function, name: str) -> ca.Function:

@@ -93,10 +93,18 @@ static Status check_finite(Instance *in, const double *values, int first_slot, i
     return STATUS_OK;
 }
 
+static void show(Instance *in)
+{
+    memmove(in->slot + model.y, in->shown, sizeof(double) * (size_t)model.n_y);
+    in->outputs_valid = 1;
+}
+
 static void refresh_outputs(Instance *in)
 {
-    if (!in->outputs_valid && model.n_y > 0)
-        evaluate(in, model.out, in->slot[0], 0.0, in->slot + model.x, in->slot + model.y);
+    if (!in->outputs_valid && model.n_y > 0) {
+        evaluate(in, model.out, in->slot[0], 0.0, in->slot + model.x, in->shown);
+        show(in);
+    }
     in->outputs_valid = 1;
 }
 

@@ -1,13 +1,18 @@
 /* Events: an indicator changes its sign, zero counting as positive. */
 
-static void signs(Instance *in, double t, const double *x, signed char *found)
+static void signs_of(const double *indicators, signed char *found)
 {
     int i;
+    for (i = 0; i < model.n_g; i++)
+        found[i] = indicators[i] >= 0 ? 1 : -1;
+}
+
+static void signs(Instance *in, double t, const double *x, signed char *found)
+{
     if (!model.n_g)
         return;
     evaluate(in, model.zero, t, 0.0, x, in->indicator);
-    for (i = 0; i < model.n_g; i++)
-        found[i] = in->indicator[i] >= 0 ? 1 : -1;
+    signs_of(in->indicator, found);
 }
 
 static int changed(const Instance *in)
@@ -15,12 +20,18 @@ static int changed(const Instance *in)
     return memcmp(in->before, in->after, (size_t)model.n_g) != 0;
 }
 
-/* Whether a sign changes on the way to in->trial at t. */
-static int crosses(Instance *in, double t)
+/* Whether a sign changes on the way to in->trial at t.  Where that is the *last* of a step the outputs are asked for
+ * next: they are computed with the indicators, in little more time than these alone. */
+static int crosses(Instance *in, double t, int last)
 {
     if (!model.n_g)
         return 0;
-    signs(in, t, in->trial, in->after);
+    if (last) {
+        evaluate(in, model.out, t, 0.0, in->trial, in->shown);
+        signs_of(in->shown + model.n_y, in->after);
+    } else
+        signs(in, t, in->trial, in->after);
+    in->shown_at_end = last && !changed(in);
     return changed(in);
 }
 
@@ -29,7 +40,7 @@ static int crosses(Instance *in, double t)
 static int event_between(Instance *in, double t, double h, double *at)
 {
     double low = 0, high = h, width = 4 * DBL_EPSILON * (fabs(t) + h);
-    if (!crosses(in, t + h))
+    if (!crosses(in, t + h, 0))
         return 0;
     if (width < 1e-13)
         width = 1e-13;

@@ -76,6 +76,7 @@ struct Instance {
     uint64_t token_hash, tables_hash;
     Mode mode;
     int outputs_valid, derivatives_valid;
+    int shown_at_end;      /* `shown` holds what belongs to the end of the step */
     int signs_known;       /* `before` holds the signs of the indicators as they are */
     double tolerance;      /* relative; absolute is this times the state's nominal value */
     double h_next;         /* step size the integrator would try next, 0 before its first step */
@@ -88,6 +89,7 @@ struct Instance {
     int *hint;             /* per key: which row stands there, -1: none does */
     double *k[7], *trial, *dense[5], *probe; /* stages, trial state, dense output: coefficients and a state on it */
     double *ratio;         /* estimated errors of a step over the tolerated ones */
+    double *shown;         /* outputs and behind them indicators, where there are any */
     double *indicator, *crossed, *seed, *tangent, *work;
     double *slope[2], *u_now; /* time derivatives of the inputs since the step began, and the inputs at some time */
     signed char *before, *after;     /* signs of the indicators */
@@ -127,6 +129,7 @@ static void table_rows(Instance *in);
 static void evaluate(Instance *in, Equation *f, double t, double h, const double *x, double *result);
 static void accept(Instance *in);
 static Status check_finite(Instance *in, const double *values, int first_slot, int n, double t, const char *what);
+static void show(Instance *in);
 static void refresh_outputs(Instance *in);
 static void refresh_derivatives(Instance *in);
 static void tangent(Instance *in);
@@ -138,7 +141,7 @@ static Status integrate(Instance *in, double t, double stop, Ending *ending);
 
 /* events.c */
 static void signs(Instance *in, double t, const double *x, signed char *found);
-static int crosses(Instance *in, double t);
+static int crosses(Instance *in, double t, int last);
 static int event_between(Instance *in, double t, double h, double *at);
 static Status jump(Instance *in, double t, int *event, int *announced);
 

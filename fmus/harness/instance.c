@@ -24,6 +24,7 @@ static void lay_out(Instance *in)
     in->trial = reserve(&next, model.n_x);
     in->probe = reserve(&next, model.n_x);
     in->ratio = reserve(&next, model.n_x);
+    in->shown = reserve(&next, model.n_y + model.n_g);
     in->indicator = reserve(&next, model.n_g);
     in->crossed = reserve(&next, model.n_g);
     in->seed = reserve(&next, model.n_x + model.n_u);
@@ -37,7 +38,7 @@ static void lay_out(Instance *in)
 /* ... and how much that takes at most: the numbers of each array, and three more. */
 static size_t doubles_needed(void)
 {
-    return (size_t)(model.end + model.n_w + model.n_keys + 2 * model.n_k + 17 * model.n_x + 2 * model.n_g + 4 * model.n_u + model.n_y + model.n_work + 3 * 32);
+    return (size_t)(model.end + model.n_w + model.n_keys + 2 * model.n_k + 17 * model.n_x + 3 * model.n_g + 4 * model.n_u + 2 * model.n_y + model.n_work + 3 * 32);
 }
 
 static Instance *instance_new(const char *name)

@@ -231,7 +231,7 @@ static Status integrate(Instance *in, double t, double stop, Ending *ending)
         brief = 1;
         if (accepted_step(in, t, stop - t, &previous_error, &brief, &h) != STATUS_OK)
             return STATUS_ERROR;
-        if (brief && crosses(in, t + h)) {
+        if (brief && crosses(in, h == stop - t ? stop : t + h, h == stop - t)) {
             brief = 0;
             if (accepted_step(in, t, stop - t, &previous_error, &brief, &h) != STATUS_OK)
                 return STATUS_ERROR;

@@ -88,7 +88,7 @@ static Status step(Instance *in, double from, double to, Ending *ending)
     if (!(to > from))
         return report(in, STATUS_ERROR, "a step was asked for from t = %s s to %s s, but a step must be longer than nothing",
                       number(now, sizeof now, from), number(asked, sizeof asked, to));
-    in->outputs_valid = in->derivatives_valid = 0;
+    in->outputs_valid = in->derivatives_valid = in->shown_at_end = 0;
     if (check_finite(in, in->slot + model.u, model.u, model.n_u, from, "input") != STATUS_OK)
         return STATUS_ERROR;
     in->slot[0] = in->since = from;
@@ -98,5 +98,7 @@ static Status step(Instance *in, double from, double to, Ending *ending)
     if (in->ask)
         in->ask(in, ending->reached); /* what outputs that an input reaches are computed from */
     in->continuing = ending->early && ending->reached < to;
+    if (in->shown_at_end)
+        show(in);
     return check_finite(in, in->slot + model.x, model.x, model.n_x, ending->reached, "state");
 }
