@@ -41,7 +41,9 @@ def equations_source(layout: Layout) -> str:
     options = {"with_header": False, "main": False, "mex": False, "with_mem": False}
     generator = ca.CodeGenerator("equations.c", options)
     functions = layout.component.equations.functions()
-    if "zero" in functions:  # what is shown at the end of a step comes with the indicators there: much is common to both
+    if (
+        "zero" in functions
+    ):  # what is shown at the end of a step comes with the indicators there: much is common to both
         functions["out"] = _together(functions["out"], functions["zero"])
     exported = [_exported(f, PREFIX + name) for name, f in functions.items()]
     for function in exported:

@@ -8,7 +8,7 @@ other compilers CasADi's own C stands beside this.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
@@ -52,6 +52,7 @@ class _Value:
     shape: int  # the same for values made by the same operations from the same kinds of leaves
     height: int = 0  # operations between it and the leaves
     leaf: str = ""  # C of an argument's element or a constant
+    address: int = -1  # of that element
     pack: int = -1
     lane: int = 0
 
@@ -103,7 +104,7 @@ def _read(function: ca.Function) -> _Computation | None:
             found.results.append(at[ins[0]])  # element by element, as they are dense
             continue
         if op == ca.OP_INPUT:
-            key, value = (op, ins[0]), _Value(op, (), 0, leaf=f"arg[{ins[0]}][{ins[1]}]")
+            key, value = (op, ins[0]), _Value(op, (), 0, leaf=f"arg[{ins[0]}][{ins[1]}]", address=ins[1])
         elif op == ca.OP_CONST:
             number = float(function.instruction_constant(i))
             key, value = (op, repr(number)), _Value(op, (), 0, leaf=f"({number!r})")
@@ -124,8 +125,9 @@ def _read(function: ca.Function) -> _Computation | None:
 def _pack(c: _Computation) -> None:
     """Put values of the same shape together where that pays.
 
-    CasADi's order has one wheel after the other, so a lane is a quarter of the values of a shape; those computed from
-    packs follow the lanes of these.
+    Values computed from packs follow the lanes of these.  Of others those that share an operand belong together, as the
+    products of a matrix and a vector: four neighbours, where that makes neighbours in memory of the other operands,
+    else one of each quarter, since CasADi's order has one wheel after the other.
     """
     classes: dict[tuple[int, int], list[int]] = defaultdict(list)
     for i, v in enumerate(c.values):
@@ -139,10 +141,24 @@ def _pack(c: _Computation) -> None:
             (beside[packs] if max(packs) >= 0 else left).append(i)
         for group in beside.values():
             left += _follow(c, group)
-        left.sort()
-        quarter = len(left) // LANES
-        for n in range(quarter):
-            _accept(c, tuple(left[n + quarter * lane] for lane in range(LANES)))
+        left.sort(key=lambda i: (*(c.values[a].address for a in c.values[i].args), i))
+        for group in _by_operand(c, left):
+            quarter = len(group) // LANES
+            near = [tuple(group[LANES * n : LANES * (n + 1)]) for n in range(quarter)]
+            if not (near and any(_is_row(c, operand) for operand in _operands(c, near[0]))):
+                near = [tuple(group[n + quarter * lane] for lane in range(LANES)) for n in range(quarter)]
+            for four in near:
+                _accept(c, four)
+
+
+def _by_operand(c: _Computation, members: Sequence[int]) -> list[list[int]]:
+    """Return *members* by the operand that most of the others have too."""
+    often = Counter(a for i in members for a in set(c.values[i].args))
+    groups: dict[int, list[int]] = defaultdict(list)
+    for i in members:
+        shared = max(c.values[i].args, key=lambda a: often[a])
+        groups[shared if often[shared] >= LANES else -1].append(i)
+    return list(groups.values())
 
 
 def _follow(c: _Computation, members: Sequence[int]) -> list[int]:
@@ -177,7 +193,7 @@ def _cost(c: _Computation, operand: tuple[int, ...]) -> float:
     values = [c.values[i] for i in operand]
     if _is_pack(c, operand):
         return 0.0
-    if len(set(operand)) == 1 or _is_row(values):
+    if len(set(operand)) == 1 or _is_row(c, operand):
         return 0.5
     if all(v.leaf for v in values):
         return 1.5
@@ -189,12 +205,13 @@ def _is_pack(c: _Computation, operand: tuple[int, ...]) -> bool:
     return pack >= 0 and c.packs[pack] == operand
 
 
-def _is_row(values: Sequence[_Value]) -> bool:
+def _is_row(c: _Computation, operand: tuple[int, ...]) -> bool:
     """Whether the values are neighbours in memory."""
+    values = [c.values[i] for i in operand]
     if any(v.op != ca.OP_INPUT for v in values):
         return False
-    base, first = values[0].leaf[:-1].rsplit("[", 1)
-    return [v.leaf for v in values] == [f"{base}[{int(first) + lane}]" for lane in range(LANES)]
+    kind, first = values[0].shape, values[0].address
+    return all(v.shape == kind and v.address == first + lane for lane, v in enumerate(values))
 
 
 def _statements(c: _Computation) -> Iterator[str]:
@@ -237,6 +254,6 @@ def _vector(c: _Computation, operand: tuple[int, ...]) -> str:
         return f"b{values[0].pack}"
     if len(set(operand)) == 1:
         return f"SAME({_scalar(c, operand[0])})"
-    if _is_row(values):
+    if _is_row(c, operand):
         return f"FROM(&{values[0].leaf})"
     return f"{_GATHERED}{', '.join(_scalar(c, i) for i in operand)}}})"
