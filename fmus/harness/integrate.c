@@ -60,35 +60,48 @@ static WIDE void combine(const Instance *in, double *to, const double *x, double
 #endif
 }
 
-/* The largest error of the step from x to in->trial in units of the tolerance, NaN if one is not finite, and the state
- * that has it. */
-static WIDE double largest_error(Instance *in, const double *x, double h, const double *weight, int stages, int *worst)
+/* The largest error of the step from x to in->trial in units of the tolerance, NaN if one is not finite; those of all
+ * states are in in->ratio. */
+static WIDE double largest_error(Instance *in, const double *x, double h, const double *weight, int stages)
 {
-    double error = 0;
-    int i, s;
+    double error = 0, strange = 0; /* x - x is 0, or no number */
+    int i = 0, s;
 #ifdef WITH_VECTORS
-    const Four none = SAME(0.0), tolerance = SAME(in->tolerance);
-    for (i = 0; i < model.n_x; i += 4) {
-        Four sum = none, a = FROM(x + i), b = FROM(in->trial + i);
+    const Four tolerance = SAME(in->tolerance);
+    Four most = SAME(0.0), odd = SAME(0.0);
+    for (; i + 4 <= model.n_x; i += 4) {
+        Four sum = SAME(0.0), a = SIZE(FROM(x + i)), b = SIZE(FROM(in->trial + i)), ratio;
         for (s = 0; s < stages; s++)
             sum += SAME(weight[s]) * FROM(in->k[s] + i);
-        a = SIZE(a), b = SIZE(b);
-        TO(in->ratio + i) = SIZE(SAME(h) * sum) / (tolerance * (FROM(model.nominal + i) + PICK(a > b, a, b)));
+        ratio = SIZE(SAME(h) * sum) / (tolerance * (FROM(model.nominal + i) + PICK(a > b, a, b)));
+        most = PICK(ratio > most, ratio, most);
+        odd += ratio - ratio;
+        TO(in->ratio + i) = ratio;
     }
-#else
-    for (i = 0; i < model.n_x; i++) {
+    for (s = 0; s < 4; s++) {
+        error = most[s] > error ? most[s] : error;
+        strange += odd[s];
+    }
+#endif
+    for (; i < model.n_x; i++) {
         double sum = 0;
         for (s = 0; s < stages; s++)
             sum += weight[s] * in->k[s][i];
         in->ratio[i] = fabs(h * sum) / scale_of(in, i, x[i], in->trial[i]);
+        error = in->ratio[i] > error ? in->ratio[i] : error;
+        strange += in->ratio[i] - in->ratio[i];
     }
-#endif
-    for (i = 0; i < model.n_x && error == error; i++)
-        if (!(in->ratio[i] <= error)) {
-            error = in->ratio[i];
-            *worst = i;
-        }
-    return error;
+    return strange == 0 ? error : NAN;
+}
+
+/* The state that has the largest error. */
+static int worst_state(const Instance *in)
+{
+    int i, worst = 0;
+    for (i = 1; i < model.n_x; i++)
+        if (in->ratio[worst] == in->ratio[worst] && !(in->ratio[i] <= in->ratio[worst]))
+            worst = i;
+    return worst;
 }
 
 /* First step size: one for which an explicit Euler step changes the states by about a hundredth of their scale. */
@@ -119,7 +132,7 @@ static double first_step(Instance *in, double t, const double *x, double remaini
 }
 
 /* Three stages from x with k[0] known; returns the error in units of the tolerance. */
-static double try_short_step(Instance *in, double t, double h, const double *x, int *worst)
+static double try_short_step(Instance *in, double t, double h, const double *x)
 {
     int s;
     for (s = 1; s < 3; s++) {
@@ -127,25 +140,25 @@ static double try_short_step(Instance *in, double t, double h, const double *x, 
         evaluate(in, model.ode, t + SHORT_C[s] * h, 0.0, in->trial, in->k[s]);
     }
     combine(in, in->trial, x, h, SHORT_A[3], 3);
-    return largest_error(in, x, h, SHORT_E, 3, worst);
+    return largest_error(in, x, h, SHORT_E, 3);
 }
 
 /* Take one trial step from x with k[0] known; returns the error in units of the tolerance, NaN if a stage is not
- * finite, and the state with the largest error in *worst.  *brief* allows three stages, and says whether these are all. */
-static double try_step(Instance *in, double t, double h, const double *x, int *brief, int *worst)
+ * finite.  *brief* allows three stages, and says whether these are all. */
+static double try_step(Instance *in, double t, double h, const double *x, int *brief)
 {
     double error;
     int s;
     *brief = *brief && in->smooth;
-    if (*brief && (error = try_short_step(in, t, h, x, worst)) <= SHORT)
+    if (*brief && (error = try_short_step(in, t, h, x)) <= SHORT)
         return error;
     *brief = 0;
     for (s = 1; s < 7; s++) {
         combine(in, in->trial, x, h, A[s], s);
         evaluate(in, model.ode, t + C[s] * h, 0.0, in->trial, in->k[s]);
     }
-    in->smooth = largest_error(in, x, h, SMOOTH_E, 4, worst) <= SHORT;
-    return largest_error(in, x, h, E, 7, worst);
+    in->smooth = largest_error(in, x, h, SMOOTH_E, 4) <= SHORT;
+    return largest_error(in, x, h, E, 7);
 }
 
 /* Prepare the dense output of the step just taken from x to in->trial. */
@@ -177,7 +190,7 @@ static void dense_state(const Instance *in, double at, double *x)
 static Status accepted_step(Instance *in, double t, double remaining, double *previous_error, int *brief, double *taken)
 {
     double *x = in->slot + model.x, h, error, factor;
-    int rejected = 0, worst = 0, whole;
+    int rejected = 0, worst, whole;
     char value[32], time[32], length[32];
     if (in->h_next <= 0)
         in->h_next = first_step(in, t, x, remaining);
@@ -186,14 +199,16 @@ static Status accepted_step(Instance *in, double t, double remaining, double *pr
         whole = 1.01 * h >= remaining;
         if (whole)
             h = remaining;
-        error = try_step(in, t, h, x, brief, &worst);
+        error = try_step(in, t, h, x, brief);
         if (error <= 1)
             break;
         rejected = 1;
-        if (h <= 16 * DBL_EPSILON * fabs(t) || h < 1e-18)
+        if (h <= 16 * DBL_EPSILON * fabs(t) || h < 1e-18) {
+            worst = worst_state(in);
             return report(in, STATUS_ERROR, "the integrator cannot go on at t = %s s with %s = %s: its step fell to %s s",
                           number(time, sizeof time, t), model.labels[model.x + worst], number(value, sizeof value, x[worst]),
                           number(length, sizeof length, h));
+        }
         factor = error == error ? SAFETY / pow(error, EXPONENT) : SHRINK; /* error != error: a stage was not finite */
         h *= factor > SHRINK ? factor : SHRINK;
     }
