@@ -109,6 +109,8 @@ def run(
     if pace is not None and pace <= 0:
         raise typer.BadParameter(f"--pace must be above 0, not {pace:g}")
     changes = _changes(set_, step, duration)
+    if view or serve or not no_log:
+        _prepare_logging()
     with _viewer(view=view, serve=serve) as shown:
         done = session.run_one(
             scenario, variant, changes, out, log=not no_log, quiet=json, viewer=shown.url if shown else "", pace=pace
@@ -168,6 +170,8 @@ def compare(
 
         if len(scenario) > 1:
             raise ScenarioError(f"compare runs one scenario, not {len(scenario)}; are these logs? then add --logs")
+        if not no_log:
+            _prepare_logging()
         names = tuple(filter(None, (v.strip() for v in variants.split(",")))) if variants else None
         done = session.compare(
             scenario[0], names, changes, out, log=not no_log, report=report, quiet=json, baseline=baseline, jobs=jobs
@@ -206,6 +210,13 @@ def _viewer(log: Path | None = None, *, view: bool, serve: bool) -> Iterator[Vie
         raise
     if serve:
         shown.wait(lambda: note("the page is served until Ctrl-C"))
+
+
+def _prepare_logging() -> None:
+    """Import what logs are written with, before several threads do."""
+    from logs.start import spare_pandas
+
+    spare_pandas()
 
 
 def _changes(texts: list[str] | None, step: float | None, duration: float | None) -> list[str]:
