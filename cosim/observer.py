@@ -106,8 +106,9 @@ class Observer:
 
     def accepted_block(self, block: Block) -> None:
         """Tell of several accepted points at once: nothing was rejected and no event lies between them."""
-        for point in block.points():
-            self.accepted(point)
+        if type(self).accepted is not Observer.accepted:  # else nobody looks: a third of a step of the rover
+            for point in block.points():
+                self.accepted(point)
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
         """Tell that [start, end] was taken back (all ns).

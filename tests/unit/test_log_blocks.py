@@ -10,7 +10,7 @@ import pytest
 from toys import Scripted, port
 
 from cosim import Observer, Record, System
-from cosim.observer import Block, RunInfo, Summary
+from cosim.observer import Block, Point, RunInfo, Summary
 from logs.read import signals
 from logs.recorder import RerunRecorder
 
@@ -93,3 +93,21 @@ def test_a_port_of_another_type_is_told_point_by_point(tmp_path: Path) -> None:
     assert record["a.on"].tolist() == [True] * POINTS
     tell(RerunRecorder(tmp_path / "x.rrd", "x", chunk=50), made, 64)
     assert signals(tmp_path / "x.rrd")["a.on"].values.ravel().tolist() == [1.0] * POINTS
+
+
+class _Unread(Block):
+    def points(self) -> Iterator[Point]:
+        raise AssertionError("the points were made for nobody")
+
+
+def test_no_points_are_made_for_an_observer_that_looks_at_none() -> None:
+    """Making them takes a third of a step of the rover; who defines ``accepted`` has them."""
+    block = _Unread(*whole(system()))
+    Observer().accepted_block(block)
+
+    class Listens(Observer):
+        def accepted(self, point: Point) -> None:
+            """Want each."""
+
+    with pytest.raises(AssertionError, match="for nobody"):
+        Listens().accepted_block(block)
