@@ -6,7 +6,7 @@ is read back.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -34,13 +34,15 @@ class _Port:
 class Record(Observer):
     """Keeps what was accepted.  ``record["body.gap"]`` has the shape (points, *shape of the port).
 
-    An input at a point is the value held over the step that ended there.  *names* keeps only these ports.  Beyond
-    *limit* bytes the older points lie in a temporary file, in the folder that TMPDIR names.
+    An input at a point is the value held over the step that ended there.  *names* keeps only these ports.  The
+    older points of a long run lie in a temporary file, in the folder that TMPDIR names; where it takes no more, they
+    stay in memory up to *limit* bytes.
     """
 
     def __init__(self, names: Iterable[str] | None = None, limit: int = LIMIT) -> None:
         self.names, self.limit = None if names is None else tuple(names), limit
-        self._ticks = Rows(2, limit // 16, np.int64)  # starts and ends of the accepted steps, in ns
+        self._rows = Rows(2, limit)
+        self._width = 0  # of the values in a row; behind them lie start and end of the step, in ns, bit by bit
         self.events: list[tuple[int, str]] = []  # (time in ns, component)
         self.rejections: list[tuple[int, int, int, str]] = []  # (start, end, reached, component)
         self.info: RunInfo | None = None
@@ -67,7 +69,8 @@ class Record(Observer):
         self._others = [(port, kept.values) for port, kept in self._ports.items() if kept.at is None]
         if self.names is not None:
             self._select()
-        self._rows = Rows(len(system.row) if self._places is None else len(self._places), self.limit)
+        self._width = len(system.row) if self._places is None else len(self._places)
+        self._rows = Rows(self._width + 2, self.limit)
 
     def _select(self) -> None:
         """Keep only the values of the ports recorded, in their order."""
@@ -80,17 +83,20 @@ class Record(Observer):
         self._places = np.concatenate(places)
 
     def accepted(self, point: Point) -> None:
-        self._rows.append(point.row if self._places is None else point.row[self._places])
+        self._keep(point.row[None], (point.start,), (point.end,))
         for port, values in self._others:
             values.append(self._system[port])
-        self._ticks.append((point.start, point.end))
 
     def accepted_block(self, block: Block) -> None:
         if self._others:
             super().accepted_block(block)
             return
-        self._rows.extend(block.rows if self._places is None else block.rows[:, self._places])
-        self._ticks.extend(np.stack((block.starts, block.ends), axis=1))
+        self._keep(block.rows, block.starts, block.ends)
+
+    def _keep(self, rows: np.ndarray, starts: Sequence[int] | np.ndarray, ends: Sequence[int] | np.ndarray) -> None:
+        """Copy points (n,): their rows (n, width of a row), starts and ends in ns."""
+        ticks = np.array((starts, ends), np.int64).view(np.float64).T
+        self._rows.extend(rows if self._places is None else rows[:, self._places], ticks)
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
         self.rejections.append((start, end, reached, component))
@@ -107,20 +113,23 @@ class Record(Observer):
     @property
     def points(self) -> list[tuple[int, int]]:
         """Start and end of every accepted step in ns, the first one being the start of the run."""
-        return [(start, end) for start, end in self._ticks.columns(slice(0, 2)).tolist()]
+        return [(start, end) for start, end in self._tick(0, 2).tolist()]
 
     @property
     def time_ns(self) -> np.ndarray:
         """Ends of the accepted steps in ns, the start of the run first."""
-        return self._ticks.columns(slice(1, 2))[:, 0]
+        return self._tick(1, 2)[:, 0]
 
     @property
     def time(self) -> np.ndarray:
         """The same in s."""
         return self.time_ns / NS
 
+    def _tick(self, first: int, last: int) -> np.ndarray:
+        return self._rows.columns(slice(self._width + first, self._width + last)).view(np.int64)
+
     def __len__(self) -> int:
-        return len(self._ticks)
+        return len(self._rows)
 
     def __contains__(self, port: object) -> bool:
         return port in self._ports
@@ -136,7 +145,7 @@ class Record(Observer):
         kept = self._ports[port]
         if kept.at is None:
             return np.array(kept.values)
-        return self._rows.columns(kept.at)[: len(self)].reshape(-1, *kept.variable.shape)
+        return self._rows.columns(kept.at).reshape(-1, *kept.variable.shape)
 
     def get(self, port: str) -> np.ndarray | None:
         """Return a port's values over the run, or None if it was not recorded."""

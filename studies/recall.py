@@ -38,7 +38,7 @@ class LoggedRecord(Record):
         super().__init__()
         self._found = found
         longest = max(found.values(), key=lambda s: len(s.ns)).ns if found else np.empty(0, np.int64)
-        self._ticks.extend(np.stack((np.concatenate((longest[:1], longest[:-1])), longest), axis=1))
+        self._keep(np.empty((len(longest), 0)), np.concatenate((longest[:1], longest[:-1])), longest)
 
     def __contains__(self, port: object) -> bool:
         return port in self._found and len(self._found[str(port)].ns) == len(self)

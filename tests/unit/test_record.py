@@ -1,11 +1,15 @@
 """A run in memory: nothing is lost or mixed up, however long it is."""
 
+import os
+from typing import Any
+
 import numpy as np
 import pytest
 from toys import Scripted, port
 
 from cosim import Advance, Jacobi, Observer, Point, Record, System, WiringError, run
 from cosim.errors import ScenarioError
+from cosim.rows import CHUNK
 
 
 def numbered(n: int) -> tuple[System, Scripted]:
@@ -98,11 +102,11 @@ def test_start_values_move_into_the_row() -> None:
 
 
 def test_a_long_record_moves_to_a_file_and_is_whole() -> None:
-    """With room for one chunk of 4096 rows in memory, two and a half chunks lie in a temporary file, to the bit."""
-    n, small = 14_000, 8 * 7 * 4096
+    """With room for one chunk in memory, all but the last of 14 lie in a temporary file, to the bit."""
+    n, small = 14_000, 8 * 9 * CHUNK
     long, kept = Record(limit=small), Record()
     run(numbered(n)[0], Jacobi(), step=1000, stop=n * 1000, observers=[long, kept])
-    assert long._rows._stored == long._ticks._stored == 3
+    assert long._rows._stored == n // CHUNK
     assert kept._rows._stored == 0
     assert long.points == kept.points
     assert long.ports() == kept.ports()
@@ -111,14 +115,32 @@ def test_a_long_record_moves_to_a_file_and_is_whole() -> None:
     assert long.to_xarray().equals(kept.to_xarray())
 
 
-def test_a_record_that_finds_no_room_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Full:
-        def write(self, data: memoryview) -> int:
-            raise OSError(28, "No space left on device")
+def _no_room(**how: Any) -> Any:
+    raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tempfile.TemporaryFile", lambda **how: Full())
+
+def test_a_record_that_finds_no_room_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tempfile.TemporaryFile", _no_room)
     record = Record(limit=1)
     with pytest.raises(ScenarioError, match=r"the record of the run fits neither into .* \(No space left on device\)"):
         run(numbered(5000)[0], Jacobi(), step=1000, stop=5000 * 1000, observers=[record])
-    assert len(record) == 4096  # and what it has is whole
-    np.testing.assert_array_equal(record["a.k"], 5 * np.arange(4096))
+    assert len(record) == CHUNK  # and what it has is whole
+    np.testing.assert_array_equal(record["a.k"], 5 * np.arange(CHUNK))
+
+
+def test_where_the_file_is_full_memory_takes_the_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file takes two chunks and a half: the half is written again, or stays in memory, and nothing is lost."""
+    size, write = 8 * 9 * CHUNK, os.pwrite
+
+    def full(file: int, data: memoryview, at: int) -> int:
+        if at >= 2.5 * size:
+            raise OSError(28, "No space left on device")
+        return write(file, data[: int(2.5 * size) - at], at)
+
+    monkeypatch.setattr("cosim.rows.NEAR", 1)
+    monkeypatch.setattr("os.pwrite", full)
+    record, n = Record(), 9000
+    run(numbered(n)[0], Jacobi(), step=1000, stop=n * 1000, observers=[record])
+    assert record._rows._stored == 2
+    np.testing.assert_array_equal(record["a.k"], 5 * np.arange(n + 1))
+    np.testing.assert_array_equal(record.time_ns, 1000 * np.arange(n + 1))
