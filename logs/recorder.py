@@ -5,9 +5,13 @@ health, ``/events``, ``/log/master`` text, ``/world/...`` the scene, ``/report``
 ``sim_time`` (ns) and ``step``.
 
 The file is called ``NAME.<8 hex digits>.rrd.part`` until it is complete and was read back, so that two runs into one
-folder never share a file.  A chunk goes to the file when it is full, and once a second; a thread sends it and one of
-Rerun packs and writes it while the run fills another, one chunk at most is under way.  So a killed run keeps every
-chunk written, one that fails keeps everything up to the failure and is marked, one that never began leaves no file.
+folder never share a file.  A chunk goes to the file when it is full, and once a second, of a run of many minutes less
+often; a thread sends it and one of Rerun packs and writes it while the run fills another, one chunk at most is under
+way.  So a killed run keeps every chunk written, one that fails keeps everything up to the failure and is marked, one
+that never began leaves no file.
+
+With the index of its chunks at the end of the file a viewer loads only what it shows.  Rerun keeps it in memory until
+then; the file of a run with so many steps that this would count has none, and is loaded as a whole.
 """
 
 from __future__ import annotations
@@ -32,6 +36,9 @@ from .sender import Sender
 
 APPLICATION = "wmr_cosim"
 FLUSH_AFTER = 1.0  # s of wall clock
+AT_MOST = 0.05  # of a run's wall clock is lost with its process, where that is more: chunks cost memory, see INDEX
+INDEX = 20_000_000  # bytes of memory for the index of the file
+OF_CHUNK = 3500  # bytes of it for each chunk of an entity, measured with rerun-sdk 0.41
 TRY, PATIENCE = 1.0, 60  # s to wait for the file at a time, and how often
 
 Read = Callable[[str], "np.ndarray | None"]
@@ -71,6 +78,7 @@ class RerunRecorder(Observer):
         self._named: set[str] = set()  # the series of the master that have their names
         self._points, self._last_sent = 0, ""
         self._flushed = 0.0  # s of wall clock
+        self._indexed = True  # the file ends with an index of its chunks
         self._broken = False  # the file takes no more
         self._sender = Sender(self._send)
         self._last: int | None = None  # ns, of the last accepted point
@@ -85,8 +93,10 @@ class RerunRecorder(Observer):
     # the run
 
     def started(self, system: System, info: RunInfo) -> None:
-        self._open()
         chunk = Chunk(system, self.signals, self.rows)
+        chunks = (info.stop_ns - info.start_ns) / info.step_ns / self.rows * len(chunk.logged)
+        self._indexed = chunks * OF_CHUNK <= INDEX
+        self._open()
         self._sender.begin(chunk)
         for held in chunk.logged:
             describe(self.recording, held.entity, held.variable, held.name)
@@ -99,7 +109,7 @@ class RerunRecorder(Observer):
         assert chunk is not None
         chunk.append(point)
         self._last = point.end
-        if chunk.full or point.wall - self._flushed >= FLUSH_AFTER:
+        if chunk.full or self._due(point.wall):
             self._emit_at(point.wall)
 
     def accepted_block(self, block: Block) -> None:
@@ -112,7 +122,7 @@ class RerunRecorder(Observer):
                 return
             done += chunk.extend(block, done)
             self._last, wall = int(block.ends[done - 1]), float(block.walls[done - 1])
-            if chunk.full or wall - self._flushed >= FLUSH_AFTER:
+            if chunk.full or self._due(wall):
                 self._emit_at(wall)
 
     def rejected(self, start: int, end: int, reached: int, component: str) -> None:
@@ -141,8 +151,11 @@ class RerunRecorder(Observer):
         self._say(self._last, said, "ERROR")
         self._close({"status": "interrupted" if interrupted else "failed", "error": said})
 
+    def _due(self, wall: float) -> bool:
+        return wall - self._flushed >= FLUSH_AFTER * max(1.0, AT_MOST * wall)
+
     def _emit_at(self, wall: float) -> None:
-        self.emit(wait=wall - self._flushed >= FLUSH_AFTER)
+        self.emit(wait=self._due(wall))
         self._flushed = wall
 
     def emit(self, *, wait: bool = True) -> None:
@@ -172,7 +185,7 @@ class RerunRecorder(Observer):
 
     def _open(self) -> None:
         try:
-            self.recording.save(str(self.part), default_blueprint=self.blueprint)
+            self.recording.save(str(self.part), default_blueprint=self.blueprint, write_footer=self._indexed)
         except (OSError, RuntimeError) as error:
             raise ScenarioError(
                 f"cannot write the log {self.path}: {error}; choose another folder with --out"
@@ -237,7 +250,7 @@ class RerunRecorder(Observer):
         self._finish()
 
     def _finish(self) -> None:
-        verify(self.part, self._last_sent, self._points)
+        verify(self.part, self._last_sent, self._points, indexed=self._indexed)
         self.part.replace(self.path)
         self.file = self.path
 
@@ -248,15 +261,18 @@ class RerunRecorder(Observer):
         self.file = None
 
 
-def verify(path: Path, entity: str, points: int) -> None:
-    """Read *entity*, the last of every chunk, back through the footer of a log that is finished.
+def verify(path: Path, entity: str, points: int, *, indexed: bool = True) -> None:
+    """Read *entity*, the last of every chunk, back from a log that is finished.
 
-    Raises ScenarioError unless the footer is whole and all *points* are there.  Reading everything would cost a tenth
-    of a short run.
+    Through its index, if it has one: reading everything would cost a tenth of a short run.  Raises ScenarioError unless
+    the file is whole and all *points* are there.
     """
     try:
-        with without(rr.error_utils.RerunWarning):  # no footer: an error follows
-            stored = RrdReader(str(path)).store().stream().filter(content=f"/{entity}", is_static=False)
+        with without(rr.error_utils.RerunWarning):  # no index: that is as it should be, or an error follows
+            reader = RrdReader(str(path))
+            stored = (reader.store().stream() if indexed else reader.stream()).filter(
+                content=f"/{entity}", is_static=False
+            )
         found = sum(chunk.num_rows for chunk in stored)
     except Exception as error:
         raise ScenarioError(f"the log {path} does not read back: {error}") from None

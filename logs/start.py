@@ -1,7 +1,11 @@
-"""A start without pandas, which pyarrow imports with its first array, only to ask whether that came from there."""
+"""What a command sees to before Rerun is imported: that it need not wait for pandas, and that Rerun warns of no choice.
+
+pyarrow imports pandas with its first array, only to ask whether that came from there.
+"""
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from importlib.abc import MetaPathFinder
@@ -21,6 +25,11 @@ class _Without(MetaPathFinder):
         """Raise ModuleNotFoundError for that package; leave the others to who comes next."""
         if name == self.name:
             raise ModuleNotFoundError(f"{name} is not asked for yet", name=name)
+
+
+def hush() -> None:
+    """Have Rerun say nothing when a log is to have no index, unless RUST_LOG asks for it; before it is imported."""
+    os.environ.setdefault("RUST_LOG", "warn,re_perf_telemetry=warn,re_log_encoding::rrd::file_sink=error")
 
 
 def spare_pandas() -> None:

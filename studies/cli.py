@@ -214,8 +214,9 @@ def _viewer(log: Path | None = None, *, view: bool, serve: bool) -> Iterator[Vie
 
 def _prepare_logging() -> None:
     """Import what logs are written with, before several threads do."""
-    from logs.start import spare_pandas
+    from logs.start import hush, spare_pandas
 
+    hush()
     spare_pandas()
 
 

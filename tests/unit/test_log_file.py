@@ -7,15 +7,21 @@ import os
 import signal
 import time
 import tracemalloc
+import warnings
+from contextlib import nullcontext
 from pathlib import Path
 
+import numpy as np
 import pytest
+from rerun.chunk import RrdReader
 from toys import Gain, Scripted, Watch, port
 
 from cosim import Advance, Jacobi, Observer, Point, System, run
 from cosim.errors import ScenarioError, StepError
+from cosim.observer import RunInfo, Summary
 from logs import recorder
 from logs.inspect import describe
+from logs.ports import Chunk
 from logs.read import properties, signals, texts
 from logs.recorder import RerunRecorder
 
@@ -160,6 +166,40 @@ def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
     # a chunk is 50 rows of 6 values, 3 integers and the wall clock, 8 bytes each: of the 20 between, none is kept
     assert held[1500] - held[500] < 20 * 50 * 10 * 8 / 4
     assert len(signals(tmp_path / "long.rrd")["a.y"].ns) == 1504
+
+
+@pytest.mark.parametrize("room", [0, 10**9])
+def test_a_log_whose_index_would_take_too_much_memory_has_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, room: int
+) -> None:
+    """It is whole all the same, and says that it is complete."""
+    monkeypatch.setattr(recorder, "INDEX", room)
+    path = tmp_path / "run.rrd"
+    run(watched(), Jacobi(), step=MS, stop=5 * MS, observers=[RerunRecorder(path, "x")])
+    with nullcontext() if room else pytest.raises(RuntimeError, match="without footer"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        RrdReader(str(path)).store()
+    assert len(signals(path)["a.y"].ns) == 6
+    assert describe(path)["status"] == "complete"
+
+
+def test_a_slow_run_of_many_minutes_is_flushed_less_often(tmp_path: Path) -> None:
+    """An hour at a step each second: 20 chunks in the first 20 s, then each a twentieth longer than those before."""
+    sent: list[int] = []
+
+    class Sent(RerunRecorder):
+        def _send(self, chunk: Chunk) -> None:
+            sent.append(chunk.n)
+            super()._send(chunk)
+
+    made, observer = watched(), Sent(tmp_path / "run.rrd", "x")
+    observer.started(made, RunInfo(MS, 3600 * MS, 0, "test"))
+    for k in range(3600):
+        observer.accepted(Point(k, max(k - 1, 0) * MS, k * MS, 1.0 * k, {}, {}, made.row))
+    observer.finished(Summary(3599, 0, 0, 3600.0, 3.6))
+    assert 20 + 20 * np.log(3600 / 20) / 2 < len(sent) < 20 + 20 * np.log(3600 / 20) + 1
+    assert sum(sent) == 3600
+    assert max(sent) <= 3600 * 0.05 + 1
 
 
 def test_a_log_that_does_not_read_back_is_not_called_complete(tmp_path: Path) -> None:
