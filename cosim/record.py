@@ -6,7 +6,7 @@ is read back.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -133,6 +133,10 @@ class Record(Observer):
 
     def __contains__(self, port: object) -> bool:
         return port in self._ports
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the names of what is recorded, those that ``in`` knows; ``len`` counts points."""
+        return iter(self.ports())
 
     def ports(self) -> tuple[str, ...]:
         """Return the names of what is recorded."""

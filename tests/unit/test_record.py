@@ -31,6 +31,7 @@ def test_more_rows_than_a_chunk() -> None:
     np.testing.assert_array_equal(record["a.k"], 5 * steps)
     np.testing.assert_array_equal(record["a.on"], steps % 2 == 1)
     assert record["a.u"].shape == (n + 1, 2)
+    assert list(record) == list(record.ports()) == ["a.u", "a.A", "a.k", "a.on"]
 
 
 def test_a_selection_keeps_only_that() -> None:
