@@ -7,7 +7,7 @@ clock; sending happens in a thread beside it, packing (LZ4) and writing in one o
 threads shows.  What a run pays once (names of all ports, verdict, reading the log back) is listed by itself.
 
 Memory: a run of 10^6 steps with a log and its record; resident memory at a tenth, at the end, and after the verdict.
-What is kept of each step is Rerun's: the index of all chunks of all ports, which it writes at the end of the file.
+So long a log has no index of its chunks, which Rerun would keep in memory until the end.
 
     python benchmarks/recording_cost.py [STEPS OF THE MEMORY RUN]
 """
