@@ -6,7 +6,7 @@ Nothing is kept but the last frame, however long the run is.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -202,21 +202,27 @@ class Scene(Drawing):
         """Mark the ground below a wheel in the air, once per so much way; one mark at least for every flight."""
         if gap is None:
             return
-        flying = gap > 1e-9
-        rows, points = [], []
-        for i in np.flatnonzero(flying.any(axis=1)):
-            self._marked[~flying[i]] = -np.inf
-            for k in np.flatnonzero(flying[i]):
-                x, y, z = centres[i, k]
-                if abs(x - self._marked[k]) >= MARK_EVERY:
-                    self._marked[k] = x
-                    rows.append(i)
-                    points.append([x, y, z - self.R - gap[i, k]])
-        if points:
+        found = sorted((i, k) for k in range(len(WHEELS)) for i in self._marks(k, gap[:, k] > 1e-9, centres[:, k, 0]))
+        rows, wheels = (np.array(n, int) for n in zip(*found, strict=True)) if found else (np.zeros(0, int),) * 2
+        points = centres[rows, wheels] - np.array([0, 0, 1]) * (self.R + gap[rows, wheels])[:, None]
+        if len(points):
             marks = rr.Points3D.columns(
                 positions=points, colors=[FLIGHT] * len(points), radii=[0.1 * self.R] * len(points)
             )
             recording.send_columns(f"{self.root}/flights", index(ns[rows], step[rows]), marks)
+
+    def _marks(self, k: int, flying: np.ndarray, x: np.ndarray) -> Iterator[int]:
+        """Yield the rows at which wheel *k* is marked, and keep where it was last: -inf while it is on the ground."""
+        edges = np.flatnonzero(np.diff(flying, prepend=False, append=False))
+        for begin, end in edges.reshape(-1, 2):
+            if begin:  # else the flight may have begun in the rows before
+                self._marked[k] = -np.inf
+            while (far := np.abs(x[begin:end] - self._marked[k]) >= MARK_EVERY).any():
+                begin += int(np.argmax(far))
+                self._marked[k] = x[begin]
+                yield begin
+        if not flying[-1]:
+            self._marked[k] = -np.inf
 
 
 def painted(colour: Colour, *, ghost: bool) -> dict[str, Any]:
