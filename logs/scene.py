@@ -24,6 +24,7 @@ from .style import WHEELS, Colour, pale
 LEFT = np.array([1.0, -1.0, 1.0, -1.0])  # which side of the body a wheel is on, y to the left
 LONGEST = 8.0  # arrow, in radii of a wheel
 MARK_EVERY = 5e-3  # m of way between two marks below a flying wheel
+_AHEAD = 128  # steps that are looked at for the next one
 GROUND, TYRE, SPOKE = (150, 138, 118), (48, 48, 54), (220, 220, 225)
 BODY, DECK, NOSE = (90, 140, 190), (70, 74, 80), (250, 240, 170)
 NORMAL, TRACTION, FLIGHT = (70, 200, 95), (250, 150, 40), (230, 45, 45)
@@ -217,10 +218,14 @@ class Scene(Drawing):
         for begin, end in edges.reshape(-1, 2):
             if begin:  # else the flight may have begun in the rows before
                 self._marked[k] = -np.inf
-            while (far := np.abs(x[begin:end] - self._marked[k]) >= MARK_EVERY).any():
-                begin += int(np.argmax(far))
-                self._marked[k] = x[begin]
-                yield begin
+            while begin < end:
+                far = np.abs(x[begin : min(end, begin + _AHEAD)] - self._marked[k]) >= MARK_EVERY
+                if far.any():
+                    begin += int(np.argmax(far))
+                    self._marked[k] = x[begin]
+                    yield begin
+                else:
+                    begin += len(far)
         if not flying[-1]:
             self._marked[k] = -np.inf
 
