@@ -203,7 +203,7 @@ def test_the_event_separates_pushing_from_not_pushing() -> None:
     for _ in range(500):
         instance.set("z", rng.uniform(-2e-3, 1e-3, 4))
         instance.set("z_rate", rng.uniform(-1, 1, 4))
-        indicator = np.asarray(zero(0, 0, instance.x, instance.u, instance.p, [])).ravel()
+        indicator = np.asarray(zero(0, 0, instance.x, instance.u, instance.p, [], [])).ravel()
         np.testing.assert_array_equal(indicator > 0, instance.get("normal_force_end") > 0)
         pushing += int(np.sum(indicator > 0))
     assert 200 < pushing < 1800
