@@ -17,10 +17,11 @@ from cosim import DeclarationError, parameter, state, structural, table
 
 from .contact import COLUMNS as PATH_COLUMNS
 from .full_order_accounts import energies, momenta
+from .full_order_middle import frames, rotation, turning
 from .full_order_outputs import chassis_seen, measured, rings_seen
 from .full_order_ports import NAMES, FullOrderPorts, packed, seen
 from .full_order_steering import rate
-from .full_order_step import frames, micro_step, rotation, turning
+from .full_order_step import micro_step
 from .rigid_body import LEVEL, wheel_arms, wheel_centres
 from .ring import MATERIAL, UNLIMITED, share, shifted
 from .ring_contact import COLUMNS, keys

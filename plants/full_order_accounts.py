@@ -8,17 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 
+from .full_order_middle import Middle
 from .full_order_ports import NAMES, WHEELS, packed, rows_of
 from .full_order_steering import aligned
 from .ring import CONTACT, MATERIAL, crossed, share
 from .ring_wheel import ring
-
-if TYPE_CHECKING:
-    from .full_order_step import Middle
 
 
 @dataclass(frozen=True)
