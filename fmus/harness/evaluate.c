@@ -60,14 +60,14 @@ static void evaluate(Instance *in, Equation *f, double t, double h, const double
     call(in, f, t, h, x, in->crossed, NULL, result);
 }
 
-/* The states are those tried.  Not memcpy, of which GCC makes an instruction that takes long to start. */
+/* The states are those tried. */
 static void accept(Instance *in)
 {
-    memmove(in->slot + model.x, in->trial, sizeof(double) * (size_t)model.n_x);
+    copy(in->slot + model.x, in->trial, (size_t)model.n_x);
 }
 
 /* Whether all values are finite: x - x is 0, or no number.  Four sums, since each addition waits for the one before. */
-static int all_finite(const double *values, int n)
+static inline int all_finite(const double *values, int n)
 {
     double a = 0, b = 0, c = 0, d = 0;
     int i;
@@ -82,28 +82,35 @@ static int all_finite(const double *values, int n)
     return (a + b) + (c + d) == 0;
 }
 
-static Status check_finite(Instance *in, const double *values, int first_slot, int n, double t, const char *what)
+/* Say which of the values is no finite number. */
+static Status not_finite(Instance *in, const double *values, int first_slot, double t, const char *what)
 {
-    int i;
+    int i = 0;
     char value[32], time[32];
-    for (i = 0; i < n && !all_finite(values, n); i++)
-        if (!(values[i] - values[i] == 0))
-            return report(in, STATUS_ERROR, "%s %s is %s at t = %s s", what, model.labels[first_slot + i],
-                          number(value, sizeof value, values[i]), number(time, sizeof time, t));
-    return STATUS_OK;
+    while (values[i] - values[i] == 0)
+        i++;
+    return report(in, STATUS_ERROR, "%s %s is %s at t = %s s", what, model.labels[first_slot + i],
+                  number(value, sizeof value, values[i]), number(time, sizeof time, t));
+}
+
+static inline Status check_finite(Instance *in, const double *values, int first_slot, int n, double t, const char *what)
+{
+    return all_finite(values, n) ? STATUS_OK : not_finite(in, values, first_slot, t, what);
 }
 
 static void show(Instance *in)
 {
-    memmove(in->slot + model.y, in->shown, sizeof(double) * (size_t)model.n_y);
+    copy(in->slot + model.y, in->shown, (size_t)model.n_y);
     in->outputs_valid = 1;
 }
 
 static void refresh_outputs(Instance *in)
 {
     if (!in->outputs_valid && model.n_y > 0) {
-        evaluate(in, model.out, in->slot[0], 0.0, in->slot + model.x, in->shown);
-        show(in);
+        double *result = model.n_g ? in->shown : in->slot + model.y; /* no room for indicators there */
+        evaluate(in, model.out, in->slot[0], 0.0, in->slot + model.x, result);
+        if (model.n_g)
+            show(in);
     }
     in->outputs_valid = 1;
 }

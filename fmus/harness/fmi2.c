@@ -103,7 +103,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
         source = slot_read(in, vr[i], n);
         if (!source)
             return fmi2Error;
-        memcpy(value + i, source, sizeof *value * n);
+        copy(value + i, source, n);
     }
     return fmi2OK;
 }

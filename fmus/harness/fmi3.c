@@ -144,7 +144,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueR
             return fmi3Error;
         if (used + n > nValues)
             break;
-        memcpy(values + used, source, sizeof *values * n);
+        copy(values + used, source, n);
         used += n;
     }
     if (i < nValueReferences || used != nValues)

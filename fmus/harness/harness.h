@@ -117,6 +117,15 @@ typedef struct {
     int early;
 } Ending;
 
+/* Often it is one number, and of memcpy GCC makes an instruction that takes long to start. */
+static inline void copy(double *to, const double *from, size_t n)
+{
+    if (n == 1)
+        *to = *from;
+    else
+        memmove(to, from, sizeof *to * n);
+}
+
 /* messages.c */
 static Status report(Instance *in, Status status, const char *format, ...);
 static const char *number(char *buffer, size_t size, double value);
@@ -128,7 +137,7 @@ static void table_rows(Instance *in);
 /* evaluate.c */
 static void evaluate(Instance *in, Equation *f, double t, double h, const double *x, double *result);
 static void accept(Instance *in);
-static Status check_finite(Instance *in, const double *values, int first_slot, int n, double t, const char *what);
+static inline Status check_finite(Instance *in, const double *values, int first_slot, int n, double t, const char *what);
 static void show(Instance *in);
 static void refresh_outputs(Instance *in);
 static void refresh_derivatives(Instance *in);

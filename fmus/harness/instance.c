@@ -154,6 +154,10 @@ static size_t neighbours(Instance *in, const unsigned *references, size_t n, uns
     int outputs = first >= (unsigned)model.y;
     Run *last = &in->last[outputs];
     size_t i;
+    if (n == 1) {
+        *values = next - first;
+        return 1;
+    }
     if (last->n && last->n <= n && !memcmp(references, last->references, sizeof *references * last->n)) {
         *values = last->values;
         return last->n;
@@ -195,7 +199,7 @@ static Status slot_write(Instance *in, unsigned reference, unsigned n, const dou
     if (!input && !(in->mode & (INSTANTIATED | INITIALIZATION)))
         return report(in, STATUS_ERROR, "%s cannot be set at t = %s s: it is fixed once the initialisation has ended", model.labels[reference],
                       number(time, sizeof time, in->slot[0]));
-    memcpy(in->slot + reference, values, sizeof *values * n);
+    copy(in->slot + reference, values, n);
     in->continuing = 0;
     in->outputs_valid = in->derivatives_valid = 0;
     if (!input)
