@@ -4,7 +4,8 @@ Time and bytes: 50 000 macro steps of ``ramp-impact`` with the PD controller, lo
 the same run without a log; the best of runs in turn, since whatever else the machine does only adds, and the median
 of the differences of neighbours.  *In the loop* is the time that the run stands still for the recorder, by the wall
 clock; sending happens in a thread beside it, packing (LZ4) and writing in one of Rerun, which the processor time of all
-threads shows.  What a run pays once (names of all ports, verdict, reading the log back) is listed by itself.
+threads shows.  *Rerun alone* is the same columns sent as fast as it takes them, without a run beside it.  What a run
+pays once (names of all ports, verdict, reading the log back) is listed by itself.
 
 Memory: a run of 10^6 steps with a log and its record; resident memory at a tenth, at the end, and after the verdict.
 So long a log has no index of its chunks, which Rerun would keep in memory until the end.
@@ -19,6 +20,7 @@ import json
 import os
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time, thread_time
@@ -30,7 +32,7 @@ from rich.table import Table
 from cosim.observer import Block, Observer, Point, RunInfo, Summary
 from cosim.scenario import Scenario
 from cosim.system import System
-from logs.ports import Chunk
+from logs.ports import Chunk, index
 from logs.recorder import RerunRecorder
 from studies.assembly import assemble
 from studies.catalog import find_scenario
@@ -38,6 +40,7 @@ from studies.logged import log_observer
 from studies.runner import connect, execute, instantiate
 
 STEP, STEPS, REPEATS = 5e-5, 50_000, 5
+AGAIN = 50  # times that a chunk is sent to see what Rerun takes
 LONG = 1_000_000
 
 
@@ -95,6 +98,25 @@ class Timed(RerunRecorder):
         self.once += perf_counter() - began
 
 
+class Alone(RerunRecorder):
+    """Sends a full chunk of the run again and again, while nothing else goes on: what Rerun takes by itself."""
+
+    wall = cpu = 0.0  # s for a step
+
+    def _send(self, chunk: Chunk) -> None:
+        if chunk.full and not self.wall:
+            began, busy = perf_counter(), process_time()
+            for k in range(AGAIN):
+                at = index(chunk.ns + k * int(chunk.n * STEP * 1e9), chunk.step + k * chunk.n)
+                chunk.send(partial(self._once_more, at))
+            self._flush()
+            self.wall, self.cpu = ((now / AGAIN / chunk.n) for now in (perf_counter() - began, process_time() - busy))
+        super()._send(chunk)
+
+    def _once_more(self, at: Any, path: str, columns: Any) -> None:
+        self.recording.send_columns(path, at, columns)
+
+
 class Memory(Observer):
     """Takes the resident memory of the process at a tenth of a run of *steps* and at its end, in MB."""
 
@@ -145,6 +167,22 @@ def measure(log: Path | None, scene: bool = False, *, blocks: bool = True) -> di
     return found
 
 
+def rerun_alone(log: Path) -> dict[str, float]:
+    """Return what sending, packing and writing a step take without a run beside them, in us."""
+    alone: list[Alone] = []
+
+    def observers(assembly: Any, instances: Any, record: Any) -> list[Observer]:
+        recorder = log_observer(assembly, log, instances, record, Alone)
+        assert isinstance(recorder, Alone)
+        recorder.scene = None
+        alone.append(recorder)
+        return [recorder]
+
+    execute(scenario(10_000), observers)
+    return {"us_per_step_of_rerun_alone": alone[0].wall * 1e6,
+            "us_per_step_of_rerun_alone_processor_all_threads": alone[0].cpu * 1e6}  # fmt: skip
+
+
 def resident() -> float:
     """Return the memory of this process in MB."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
@@ -177,6 +215,7 @@ def main() -> None:
         rounds = [
             [measure(None), measure(path), measure(path, True), measure(path, blocks=False)] for _ in range(REPEATS)
         ]
+        alone = rerun_alone(path)
         long = long_run(path, int(sys.argv[1]) if len(sys.argv) > 1 else LONG)
     bare, log, drawn, single = (best(list(case)) for case in zip(*rounds, strict=True))
     longer, longer_drawn = (median(r[k]["run"] - r[0]["run"] for r in rounds) for k in (1, 2))
@@ -197,7 +236,7 @@ def main() -> None:
         "bytes_per_step": log["bytes"] / n,
         "bytes_per_value_with_time_stamps": log["bytes"] / n / values,
         "bytes_per_value_beyond_time_stamps": (log["bytes"] / n - 16 * ports) / values,
-        **long,
+        **alone, **long,
     }  # fmt: skip
     shown = Table("", "", title="every port of the rover at every step")
     for key, value in found.items():
