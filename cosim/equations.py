@@ -57,7 +57,7 @@ class Equations:
         alone, states = True, np.zeros(len(self.nominal), bool)
         for f in (self.zero, self.where):
             if f is not None:
-                alone = alone and not any(f.jac_sparsity(0, f.name_in().index(name)).nnz() for name in ("t", "u"))
+                alone = alone and not (reads(f, "t") or reads(f, "u"))
                 states |= np.array(ca.DM(f.jac_sparsity(0, f.name_in().index("x")), 1)).any(axis=0)
         return alone, states
 
@@ -69,6 +69,11 @@ class Equations:
 def _announced(component: Component, event: str) -> bool:
     announce = component.declarations[event].announce
     return bool(component.structure[announce]) if isinstance(announce, str) else announce
+
+
+def reads(function: ca.Function, argument: str) -> bool:
+    """Return whether the result of an equation function depends on an *argument*, by its letter."""
+    return bool(function.jac_sparsity(0, function.name_in().index(argument)).nnz())
 
 
 def build(component: Component) -> Equations:

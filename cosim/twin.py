@@ -68,9 +68,10 @@ class PythonInstance(Instance):
                 f"{self.name}.{name} has shape {list(block.shape)}, but was given {list(np.shape(value))}"
             )
         values[block.at] = np.ravel(np.broadcast_to(value, block.shape))
-        self._constants.clear()
         if variable.causality == "input":
             self.u[block.at] = values[block.at]
+        else:
+            self._constants.clear()
 
     def move(self, name: str, value: Any) -> None:
         self.set(name, value)

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from cosim.component import table_text
+from cosim.equations import reads
 
 from .layout import Layout
 from .vectors import LANES, packed
@@ -41,9 +42,7 @@ def equations_source(layout: Layout) -> str:
     options = {"with_header": False, "main": False, "mex": False, "with_mem": False}
     generator = ca.CodeGenerator("equations.c", options)
     functions = layout.component.equations.functions()
-    if (
-        "zero" in functions
-    ):  # what is shown at the end of a step comes with the indicators there: much is common to both
+    if "zero" in functions:  # both are asked for at the end of a step, and much is common to them
         functions["out"] = _together(functions["out"], functions["zero"])
     exported = [_exported(f, PREFIX + name) for name, f in functions.items()]
     for function in exported:
@@ -60,14 +59,18 @@ def equations_source(layout: Layout) -> str:
 
 def _together(one: ca.Function, other: ca.Function) -> ca.Function:
     """Return the function of both results, one behind the other."""
-    arguments = one.sx_in()
+    arguments = _arguments(one)
     return ca.Function(one.name(), arguments, [ca.vertcat(one(*arguments), other(*arguments))])
 
 
 def _exported(function: ca.Function, name: str) -> ca.Function:
     """Return the function under another name, with what it computes more than once computed once."""
-    arguments: Any = function.mx_in() if function.is_a("MXFunction") else function.sx_in()
+    arguments = _arguments(function)
     return ca.Function(name, arguments, ca.cse(function.call(arguments)))
+
+
+def _arguments(function: ca.Function) -> Any:
+    return function.mx_in() if function.is_a("MXFunction") else function.sx_in()
 
 
 def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
@@ -101,7 +104,7 @@ def model_source(layout: Layout, identifier: str, token: str, fmi: int) -> str:
         "n_keys": sum(b.shape[0] for b in eq.tables),
         "n_tables": len(eq.tables),
         "of_states_alone": int(alone),
-        "sync_looks_up": int(eq.sync is not None and eq.sync.jac_sparsity(0, 5).nnz() > 0),
+        "sync_looks_up": int(eq.sync is not None and reads(eq.sync, "w")),
         "n_k": eq.once.numel_out() if eq.once else 0,
         "period": period,
         "micro": -1 if eq.micro is None else first["p"] + eq.micro,

@@ -248,6 +248,7 @@ static Status integrate(Instance *in, double t, double stop, Ending *ending)
             return STATUS_ERROR;
         if (brief && crosses(in, h == stop - t ? stop : t + h, h == stop - t)) {
             brief = 0;
+            in->h_next = h; /* no longer than where the change was seen: it may change back */
             if (accepted_step(in, t, stop - t, &previous_error, &brief, &h) != STATUS_OK)
                 return STATUS_ERROR;
         }

@@ -9,7 +9,7 @@ import pytest
 from toys import Ball
 
 import fmus
-from cosim import Component, Instance, output, parameter, state
+from cosim import Component, Instance, event, output, parameter, state
 
 S = 1_000_000_000  # ns
 
@@ -83,3 +83,36 @@ def test_who_goes_back_takes_the_same_steps_again() -> None:
     instance.restore(kept)
     walk(instance, S // 1000, S // 1000 + 20 * 50_000, 50_000)
     assert found[0] == found[1] == instance.get("y")
+
+
+class Twice(Component):
+    """x' = 1 m/s: half a micrometre behind a mark at 0.11 m something begins that ends 4 um behind it."""
+
+    x = state(0.0, "m", "way")
+    met = state(0.0, "1", "how often it began or ended")
+    mark = event("the mark is passed")
+    inside = event("it begins or ends")
+    y = output("1", "how often it began or ended")
+
+    def derivatives(s: Any) -> dict[str, Any]:
+        return dict(x=1, met=0)
+
+    def crossings(s: Any) -> dict[str, Any]:
+        way = s.x - 0.11
+        return dict(mark=way, inside=(way - 0.5e-6) * (way - 4e-6))
+
+    def jump(s: Any) -> dict[str, Any]:
+        return dict(met=s.met + (s.crossed.inside != 0))
+
+    def outputs(s: Any) -> dict[str, Any]:
+        return dict(y=s.met)
+
+
+@pytest.mark.parametrize("make", [fmus.instantiate, lambda component: component.instance()])
+def test_what_a_short_step_saw_is_not_stepped_over(make: Any) -> None:
+    """The step after the mark is 1 um long and ends inside; one ten times as long would end behind it all."""
+    instance = make(Twice())
+    instance.enter_initialization(0, S, 1e-8)
+    instance.exit_initialization()
+    walk(instance, 0, S // 5, S // 50)
+    assert instance.get("y") == 2
